@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from ..fem import is_on_quadrilaterals
 from ..meshes import SceneError
 from ..meshes.by_gmsh import unavailable
-from .crosscheck import GROUPS, METHODS, Problem, Scene, Source, method
+from .crosscheck import GROUPS, METHODS, Problem, Scene, Source, method, shown
 from .study.declared import Declared, conduct
 from .study.errors import DEFAULT, EIGENVALUE, ENERGY, STRESS
 from .study.own import (
@@ -33,8 +33,6 @@ from .study.own import (
     read_meshes,
     read_methods,
     read_quantities,
-    refuse_abscissa,
-    refuse_degree_without_mesh,
     steps_of,
     with_times,
 )
@@ -46,16 +44,16 @@ from .study.ways import runs
 from .study.ways.finite_elements import (
     EVEN,
     EVEN_UNDER_ONE_RING,
+    GRADED,
     GRADED_TO_RIM,
     adaptive,
     by_tolerance,
     degree_on,
-    graded_to_edges,
     halved,
     layered,
     own_meshes,
     raised_degree,
-    uniform,
+    subdivisions,
 )
 from .study.ways.radial import cells, graded_radii, uniform_radii
 
@@ -96,9 +94,9 @@ GRADINGS_OF_ONE_RING: dict[int, tuple[float, ...]] = {
     4: (0.4, 0.5, 0.6, 0.65),
 }
 """Ratios of neighbouring cell sizes on cells graded to the rim, by pressure degree."""
-OF_RINGS = HALVINGS, PARTS, GRADINGS
-OF_ONE_RING = HALVINGS_OF_ONE_RING, PARTS_OF_ONE_RING, GRADINGS_OF_ONE_RING
-"""All of them."""
+OF_RINGS = (EVEN, HALVINGS), (GRADED, PARTS)
+OF_ONE_RING = (EVEN_UNDER_ONE_RING, HALVINGS_OF_ONE_RING), (GRADED_TO_RIM, PARTS_OF_ONE_RING)
+"""Base meshes with their levels: of one size, and graded."""
 CELL_FACTORS, QUICK_CELL_FACTORS = (0.25, 0.5, 1.0, 2.0), (0.125, 0.25, 0.5)
 """Numbers of cells of a moving contact, over the number for rtol 1e-4."""
 DEGREES = {False: range(2, 5), True: range(2, 17)}
@@ -113,6 +111,8 @@ TOLERANCES = {
     (False, True): (1e-1, 1e-2),
 }
 """Tolerances of methods, by whether the punch is in full contact, and whether it is quick."""
+ABSCISSAS = ("size", "unknowns", "seconds")
+"""Abscissas that a user can choose: the size that theory refers to, and costs."""
 BY_TOLERANCE = ("mdr", "bem", "fem")
 """Methods whose sizes follow the tolerance."""
 CASES = {
@@ -169,7 +169,12 @@ def accuracy(
     """
     selection, timed = SELECTIONS[study], study == "tradeoff"
     scene = accept(study, scene, study != "refinement", layered=timed)
-    refuse_abscissa(against or selection.axis)
+    axis = against or selection.axis
+    if axis not in ABSCISSAS:
+        raise SceneError(
+            f"against = {shown(axis)} is not an abscissa of the figures: give one of "
+            f"{', '.join(ABSCISSAS)}"
+        )
     names, functions = read_quantities(quantities, selection.known)
     offered = BY_TOLERANCE if timed and functions else selection.methods
     named, own_methods = read_methods(methods, offered, study)
@@ -177,24 +182,24 @@ def accuracy(
         if name in METHODS and (reason := method(name).refusal(scene.problem)):
             raise SceneError(reason)
     scene = with_times(scene) if timed else scene
-    refuse_degree_without_mesh(degree, bool(meshes))
+    if degree is not None and not meshes:
+        raise SceneError(
+            "degree is that of the finite elements on meshes of your own: give --mesh FILE, in "
+            "Python meshes=[...], or leave it out"
+        )
     refuse_moving_contact(scene, meshes, elements)
     whole, lengths = Case.of(scene), steps_of(scene, steps)
     problem, rtols = whole.problem, TOLERANCES[scene.problem.full_contact, quick]
     own_elements = read_elements(elements) if elements else ()
     by_name = read_meshes(problem, meshes, length_of(scene, units)) if meshes else {}
     own = [
-        *ways_of_meshes(problem, by_name, own_elements, degree),
+        *(ways_of_meshes(problem, by_name, own_elements, degree) if by_name else []),
         *(ways_of_elements(own_elements, quick) if not meshes else []),
         *([runs.steps("implicit", lengths, problem, 1e-6)] if lengths else []),
         *(runs.tolerances(each, rtols) for each in own_methods),
     ]
     # meshes of a user are compared with ours; other things replace them unless these are named
     bundled = named if methods or not own or study == "refinement" else ()
-
-    def ways(case: Case) -> list[Way]:
-        return [*selection.ways(case, bundled, quick), *own]
-
     wanted = names if names or (timed and functions) else selection.quantities
     if quick and not names and problem.full_contact:
         # they need a second factorisation
@@ -213,7 +218,9 @@ def accuracy(
     ):
         cases = [whole.with_one_ring(), whole]
     declared = Declared(
-        *(study, selection.question, scene, cases, ways, wanted),
+        *(study, selection.question, scene, cases),
+        ways=lambda case: [*selection.ways(case, bundled, quick), *own],
+        quantities=wanted,
         exact=partial(
             reference,
             names=wanted,
@@ -222,7 +229,7 @@ def accuracy(
             quick=quick,
             confirmed=not quick,
         ),
-        axis=against or selection.axis,
+        axis=axis,
         shown=names,
         functions=functions,
         worst=timed and not quantities,
@@ -273,19 +280,17 @@ def ways_of_sizes(case: Case, named: Sequence[str], quick: bool) -> list[Way]:
     one, cut = case.name == ONE_RING, slice(-1 if quick else None)
     # elements below one ring have their order from the coarsest meshes on
     element_cut = slice(-2) if quick and one else cut
-    halvings, parts, gradings = OF_ONE_RING if one else OF_RINGS
-    # the quick study leaves out some degrees
-    kinds = [
-        (quads, k) for quads in parts for k in parts[quads] if quads or one or not quick or k != 3
-    ]
+    meshes, gradings = (OF_ONE_RING, GRADINGS_OF_ONE_RING) if one else (OF_RINGS, GRADINGS)
     graded_radial = [("mdr", degree) for degree in gradings if not quick or degree < 3]
     graded_radial += RADIAL[3 if one else 2 :]
-    even, graded = (EVEN_UNDER_ONE_RING, GRADED_TO_RIM) if one else (EVEN, None)
     ways = [
-        *(uniform(k, halvings[quads][k][element_cut], quads, base=even) for quads, k in kinds),
         *(
-            graded_to_edges(k, parts[quads][k][element_cut], quads, base=graded)
-            for quads, k in kinds
+            subdivisions(bases[quads], k, levels[quads][k][element_cut], quads)
+            for bases, levels in meshes
+            for quads in bases
+            for k in levels[quads]
+            # the quick study leaves out some degrees
+            if quads or one or not quick or k != 3
         ),
         layered(range(4, 8 if quick and not one else 12), len(case.problem.merged.widths)),
         *(uniform_radii(*radial, COUNTS[cut]) for radial in RADIAL[: 0 if one else 3]),
@@ -407,40 +412,35 @@ def ways_of_meshes(
     SceneError
         if meshes are of two kinds, or if an element or a degree does not fit them
     """
-    kinds = {len(mesh.t) == 4: mesh for mesh in meshes.values()}
-    if len(kinds) > 1:
+    (quads, mesh), *others = {len(mesh.t) == 4: mesh for mesh in meshes.values()}.items()
+    if others:
         raise SceneError(
             "--mesh: the meshes of a sequence are all triangles or all quadrilaterals, not both"
         )
+    kind, degrees = "quadrilaterals" if quads else "triangles", DEGREES[quads]
+    chosen = degree or degree_on(problem, mesh)
+    if not elements and chosen not in degrees:
+        raise SceneError(
+            f"--degree {chosen}: does not fit your meshes of {kind}: give {degrees[0]} to "
+            f"{degrees[-1]}"
+        )
     ways = list[Way]()
-    for quads, mesh in kinds.items():
-        kind, degrees = "quadrilaterals" if quads else "triangles", DEGREES[quads]
-        chosen = degree or degree_on(problem, mesh)
-        if not elements and chosen not in degrees:
-            raise SceneError(
-                f"--degree {chosen}: does not fit your meshes of {kind}: give {degrees[0]} to "
-                f"{degrees[-1]}"
-            )
-        for element in elements:
-            if is_on_quadrilaterals(element) != quads:
-                raise SceneError(
-                    f"--element {element_name(element)}: your meshes consist of {kind}"
-                )
-            name = f"your meshes, {element_name(element)}"
-            ways.append(own_meshes(meshes, degree or degree_of(element), element, name))
-        ways = ways or [own_meshes(meshes, degree)]
-    return ways
+    for element in elements:
+        name = element_name(element)
+        if is_on_quadrilaterals(element) != quads:
+            raise SceneError(f"--element {name}: your meshes consist of {kind}")
+        label = f"your meshes, {name}"
+        ways.append(own_meshes(meshes, degree or degree_of(element), element, label))
+    return ways or [own_meshes(meshes, degree)]
 
 
 def ways_of_elements(elements: "Sequence[Element]", quick: bool) -> list[Way]:
     """Return uniform and graded meshes with each of the user's elements."""
     ways, cut = list[Way](), slice(-1 if quick else None)
     for element in elements:
-        order, quads, name = (
-            degree_of(element),
-            is_on_quadrilaterals(element),
-            element_name(element),
-        )
-        for way, levels in ((uniform, HALVINGS[quads]), (graded_to_edges, PARTS[quads])):
-            ways.append(way(order, levels[min(order, max(levels))][cut], quads, element, name))
+        order, quads = degree_of(element), is_on_quadrilaterals(element)
+        for bases, levels in OF_RINGS:
+            chosen = levels[quads][min(order, max(levels[quads]))][cut]
+            name = element_name(element)
+            ways.append(subdivisions(bases[quads], order, chosen, quads, element, name))
     return ways

@@ -416,13 +416,13 @@ def _scenes(name: str = "") -> Status:
 
 def _deck(scene: str, *, out: str = "", **given: Any) -> Status:
     """Write decks."""
-    from .decks.deck import write_decks
+    from .decks.deck import deck
 
-    read = Scene.load(scene)
-    with output_folder(_out(out, scene, "deck_"), "deck", ["README.md"]) as folder:
-        lines = write_decks(read, folder.hidden, **in_units(read, given))
-    print_markdown(lines)
-    return _finish(folder)
+    read, folder = Scene.load(scene), _out(out, scene, "deck_").resolve()
+    files = deck(read, out=folder, **in_units(read, given))
+    print_markdown((folder / "README.md").read_text("utf-8").splitlines())
+    print_lines(["", f"{len(files)} files in {folder}: {', '.join(file.name for file in files)}"])
+    return Status.DONE
 
 
 def _challenge(words: Sequence[str] = (), *, list: bool = False) -> Status:

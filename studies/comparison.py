@@ -116,9 +116,9 @@ class Comparison(AnswersGuesses):
             change = second / first - 1 if first else np.nan
             estimates = [side.first(error_name(name)) for side in (self.a, self.b)]
             uncertainty = max(float(np.nansum(estimates)), ROUNDOFF)
-            one_missing = bool(np.isnan([first, second]).any())
             written = names.write_together([first, second], quantity.unit)
-            differs = first != second and not one_missing and not abs(change) <= uncertainty
+            # a number that is missing does not differ
+            differs = abs(second - first) > uncertainty * abs(first)
             rows.append(
                 {
                     "quantity": name,

@@ -14,10 +14,9 @@ from time import process_time
 
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
-from scipy.linalg import eigh, solve_triangular
+from scipy.linalg import eigh
 
-from ..meshes import Array, Compliance, PressureSpace, SceneError
+from ..meshes import Array, PressureSpace, SceneError
 from .crosscheck import (
     AnySpaceMethod,
     Method,
@@ -28,9 +27,9 @@ from .crosscheck import (
     naming_arguments,
     run,
 )
-from .figures.style import PAGE, complete, curve, new_panels, set_logarithmic
-from .figures.ticks import one_digit
-from .study.errors import STABLE
+from .study.answer import answer
+from .study.draw import draw, titled
+from .study.errors import STABLE, energy_differences, energy_ratios
 from .study.own import Methods, read_methods
 from .study.record import SOLVED, Record
 from .study.study import Study, remarks
@@ -42,6 +41,8 @@ QUICK_RTOL = 1e-2
 """Least tolerance of the quick study."""
 LEAST_RATIO = "least ratio of energies"
 """Name of the quantity whose entry in the column `error` is the value itself."""
+TITLE = "the methods compared for every pressure, one mark per mode"
+WAVELENGTH = "wavelength of the pressure over the punch radius a"
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,26 +138,29 @@ def difference(
     problem: Problem, methods: tuple[str, str], first: RunningIn, second: RunningIn
 ) -> OperatorDifference:
     """Compare two compliances on the same pressure space, each with the running-in on it."""
-    pair, times = (first.compliance, second.compliance), problem.times[problem.compared_rows]
+    ours, exact, space = first.compliance, second.compliance, first.compliance.space
+    times = problem.times[problem.compared_rows]
     times = times[problem.loading.at(times).force > 0]
-    ratios = eigh(pair[0].matrix, pair[1].matrix, eigvals_only=True)
+    ratios = energy_ratios(ours.factor, exact.factor)
+    constants = space.ring_indicator()
+    of_rings = energy_ratios(ours.factor @ constants, exact.factor @ constants)
     # use the pressures of the history instead of the span of the modes, which also contains short
     # waves that hardly occur in the history and that no method resolves
     history = np.zeros(len(times) + 1)
     for wear in (first, second):
         pressures = np.concatenate([wear.modal(times).pressure, wear.steady.pressure[None]])
-        history += _energy_differences(*pair, pressures)
+        history += np.abs(energy_differences(exact, ours, pressures))
     # u = p L / pi under a long wave of length L on a half-space, which defines L for any mode
-    values, modes = eigh(pair[1].matrix, pair[0].space.mass().toarray())
+    values, modes = eigh(exact.matrix, space.mass().toarray())
     return OperatorDifference(
         methods=methods,
-        rings=_over_rings(*pair),
+        rings=float(np.abs(of_rings - 1).max()),
         history=float(history.max()),
         space=float(np.abs(ratios - 1).max()),
         stability=float(ratios.min()),
         wavelengths=np.pi * np.abs(values[::-1]) * problem.units.length,
-        differences=_energy_differences(*pair, modes.T)[::-1],
-        shortest_resolved=_shortest_resolved_wave(pair[0].space) * problem.units.length,
+        differences=np.abs(energy_differences(exact, ours, modes.T))[::-1],
+        shortest_resolved=_shortest_resolved_wave(space) * problem.units.length,
     )
 
 
@@ -168,26 +172,6 @@ def _shortest_resolved_wave(space: PressureSpace) -> float:
     Methods, 1977, section 3).
     """
     return float(np.pi * (space.widths / space.degrees).max())
-
-
-def _energy_differences(first: Compliance, second: Compliance, pressures: Array) -> Array:
-    """Return (m,) relative differences of the energies of pressures (m, n)."""
-    energy, reference = (
-        np.sum((pressures @ compliance.factor.T) ** 2, axis=1) for compliance in (first, second)
-    )
-    # at a fixed indentation the pressure decays to zero: the difference is then 0
-    ratios = np.divide(energy, reference, out=np.ones(len(pressures)), where=reference > 0)
-    return np.abs(ratios - 1)
-
-
-def _over_rings(first: Compliance, second: Compliance) -> float:
-    """Return the greatest relative difference over all ring-wise constant pressures."""
-    pressures = first.space.ring_indicator()
-    # use a basis that is orthonormal in the second energy, because roundoff would spoil the ratios
-    # of nearly dependent pressures
-    triangle = np.linalg.qr(second.factor @ pressures, mode="r")
-    image = solve_triangular(triangle, (first.factor @ pressures).T, trans="T").T
-    return float(np.abs(np.linalg.svd(image, compute_uv=False) ** 2 - 1).max())
 
 
 def operators(
@@ -224,7 +208,7 @@ def operators(
         "when": ALL,
         "outcome": SOLVED,
     }
-    modes = list[pd.DataFrame]()
+    modes, drawn, radius = list[pd.DataFrame](), list[pd.DataFrame](), scene.punch.radius
     for pair in pairs:
         way = {"way": " over ".join(pair.methods), "method": pair.methods[0]}
         row = level | way | {"unknowns": len(pair.differences)}
@@ -237,14 +221,25 @@ def operators(
         record.add([row | {"quantity": name, "error": value} for name, value in numbers.items()])
         columns = {"wavelength": pair.wavelengths, "difference": pair.differences}
         modes.append(pd.DataFrame({"way": way["way"]} | columns))
+        panel = row | {"quantity": "difference of energies", "refined": WAVELENGTH}
+        panel |= {
+            "unresolved": pair.shortest_resolved / radius,
+            "reference": 0.0,
+            "tolerance": np.nan,
+        }
+        sizes = pair.wavelengths / radius
+        drawn.append(pd.DataFrame(panel | {"size": sizes, "error": pair.differences}))
+        steady = {"way": f"{way['way']}, all steady states", "error": pair.rings}
+        drawn.append(pd.DataFrame(panel | steady | {"size": [sizes.min(), sizes.max()]}))
     return Study(
         "operators",
         scene,
         record.table,
         conclusions=(*map(_conclude, pairs), *remarks(record, quick)),
-        figures={"operator_difference": draw_operators(scene, pairs)},
+        figures={"operator_difference": draw(pd.concat(drawn), title=titled(scene.title, TITLE))},
         tables={"modes": pd.concat(modes)},
         measured=record.table,
+        answer=answer(record.table),
     )
 
 
@@ -255,42 +250,4 @@ def _conclude(pair: OperatorDifference) -> str:
         f"As operators, {' and '.join(pair.methods)} differ by {pair.rings:.1e} over all steady "
         f"states and {pair.history:.1e} along this history; the least ratio of their energies is "
         f"{pair.stability:.2g}: the multipliers are {stable}."
-    )
-
-
-def draw_operators(scene: Scene, pairs: Sequence[OperatorDifference]) -> Figure:
-    """Draw the relative difference of two methods against the wavelength of the pressure.
-
-    Wavelengths that the elements do not resolve are shaded.
-    """
-    figure, panels = new_panels(PAGE, 3.4)
-    axes = panels[0, 0]
-    radius = scene.punch.radius
-    for number, pair in enumerate(pairs):
-        look = curve(number) | {"linestyle": "", "markersize": 2.5, "markeredgewidth": 0.6}
-        names = f"{pair.methods[0].upper()} minus {pair.methods[1].upper()}"
-        label = f"{names}, one mark per mode"
-        axes.plot(pair.wavelengths / radius, pair.differences, **look, label=label)
-        label = f"{names}, all steady states: {one_digit(pair.rings)}"
-        axes.axhline(pair.rings, linewidth=0.8, color=look["color"], linestyle="--", label=label)
-    shortest = 2 * float(scene.problem.rings.widths.min())
-    axes.axvline(
-        shortest, color="0.4", linestyle=":", label="twice the width of the narrowest ring"
-    )
-    for direction in "xy":
-        set_logarithmic(axes, direction, most=8)
-    finest = min(pair.shortest_resolved for pair in pairs) / radius
-    left, unresolved = axes.get_xlim()[0], "waves finer than the elements"
-    axes.axvspan(left, finest, color="0.88", linewidth=0, zorder=0, label=unresolved)
-    axes.set_xlim(left=left)
-    axes.set_xlabel("wavelength of the pressure over the punch radius a")
-    axes.set_ylabel("relative difference of energies")
-    return complete(
-        figure,
-        (scene.title, "the methods compared for every pressure"),
-        [axes],
-        "Each method computes the elastic energy of the same pressures. The largest elements do "
-        "not resolve the waves in the shaded part:\n"
-        "differences there, up to 100 %, are irrelevant for the answer, which consists of the long "
-        "waves at the right.",
     )

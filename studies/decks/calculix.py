@@ -3,28 +3,25 @@
 The decks were tested with CalculiX 2.20; variants that do not work there are described below.
 """
 
-from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from ...meshes import Array, Indices, SceneError
-from .keywords import (
-    CONTACT,
-    FACE,
-    REFERENCE,
-    Model,
-    State,
-    elements,
-    half_space,
-    heading,
-    node_set,
-    nodes,
-    notes,
-    numbers,
-    pressed_nodes,
-    surface,
-)
+from .keywords import FACE, Model, State, elements, node_set, nodes, surface
 
+NAME, RESULTS = "CalculiX", ".dat"
+COMMAND = "OMP_NUM_THREADS=1 ccx {job}          # give the name without .inp"
+ABOUT = (
+    "Forces in the .dat file are those on a wedge of 2 degrees. `ringwear check` multiplies them "
+    "by 180, and computes the pressures by the consistent mass matrix of the contact line (2 pi r "
+    "dr). Loads in the deck are those on the whole circumference. Tested with CalculiX 2.20."
+)
+"""Name of the program, ending of its results, how a deck is run, and remarks in the README."""
+PRESSED_BY_FORCE = " (a flat face: by the force; under a force, a worn face does not converge)"
+"""How a contact deck presses the punch if the scene gives the force."""
+PRESSED, COMMENTS = "pad", ()
+"""What is pressed in contact decks, and comments at the head of each deck."""
 PAD_HEIGHT = 0.3
 """Height of the pad, in punch radii."""
 SPRING_STIFFNESS = 1e5
@@ -62,66 +59,36 @@ def refuse_small_elements(model: Model) -> None:
         )
 
 
-def prescribed(model: Model, states: Sequence[State]) -> list[str]:
-    """Return a linear deck that prescribes displacements of the contact nodes, a step a state."""
-    lines = heading(model, "displacements of the contact nodes are prescribed")
-    lines += [*notes(model, states, 1.0, 0.0), *half_space(model)]
-    for state in states:
-        lines += [
-            *("*STEP", "*STATIC", *pressed_nodes(model, state)),
-            *(f"*NODE PRINT, NSET={CONTACT}", "U, RF"),
-            *("*NODE FILE, OUTPUT=2D", "U, RF", "*EL FILE, OUTPUT=2D", "S"),
-            "*END STEP",
-        ]
-    return lines
+def contact(model: Model, state: State, scale: float) -> dict[str, Any]:
+    """Return what the template of a contact deck has, in which a rigid pad is pressed.
 
-
-def contact(model: Model, state: State, scale: float) -> list[str]:
-    """Return a deck in which a rigid pad with the face of the punch is pressed on the half-space.
-
-    The modulus of the half-space is multiplied by `scale`, so that displacements are divided by it.
-    Elements are linear, because with quadratic ones pressures near the axis are wrong (CalculiX
-    2.20). A flat face is pressed by its force if that is prescribed, and any other face by its
-    indentation, because a worn pad under a force does not converge.
+    The pad has the face of the punch. The modulus of the half-space is multiplied by `scale`, so
+    that displacements are divided by it. Elements are linear, because with quadratic ones pressures
+    near the axis are wrong (CalculiX 2.20). A flat face is pressed by its force if that is
+    prescribed, and any other face by its indentation, because a worn pad under a force does not
+    converge.
     """
-    mesh, modulus = model.mesh, scale * model.scene.problem.units.modulus
-    first = len(mesh.points)
+    first, height = len(model.mesh.points), PAD_HEIGHT * model.radius
     face = np.stack([model.radii, (state.heights - state.lowest) / scale], axis=1)
-    points, cells = _pad(face, PAD_HEIGHT * model.radius)
-    number = first + len(points) + 1
-    by_force = model.scene.load_.indentation is None and not np.ptp(state.heights)
-    ties, fixed = list[str](), ["*BOUNDARY", "PAD, 1, 1"]
-    load = ["*BOUNDARY", f"PAD, 2, 2, {-state.pressing_depth / scale:.12g}"]
-    if by_force:
-        # every node of the pad moves with the reference node, which belongs to no element
-        ties = [f"*NODE, NSET={REFERENCE}", f"{number}, 0., {PAD_HEIGHT * model.radius:.12g}, 0."]
-        for node in range(first + 1, number):
-            ties += ["*EQUATION", "2", f"{node}, 2, 1., {number}, 2, -1."]
-        fixed += [f"{number}, 1, 1", f"{number}, 3, 3"]
-        load = ["*CLOAD", f"{number}, 2, {-state.force:.12g}"]
-    return [
-        *heading(model, "a rigid pad is pressed on"),
-        *notes(model, [state], scale, state.lowest),
-        *half_space(model, scale),
+    points, cells = _pad(face, height)
+    first_cell, reference = len(model.mesh.cells) + 1, first + len(points) + 1
+    pad = [
         *nodes(points, first + 1, "PAD"),
-        *elements(first + cells, model.element, "PUNCH", len(mesh.cells) + 1),
+        *elements(first + cells, model.element, "PUNCH", first_cell),
         *node_set(FACE, first + np.arange(len(face))),
-        *("*MATERIAL, NAME=PAD", "*ELASTIC", f"{SPRING_STIFFNESS * modulus:.12g}, 0."),
-        "*SOLID SECTION, ELSET=PUNCH, MATERIAL=PAD",
-        *surface("SLAVE", mesh.faces),
-        *surface("MASTER", ((cell, 1) for cell in range(len(cells))), len(mesh.cells) + 1),
-        "*SURFACE INTERACTION, NAME=PRESSING",
-        "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR",
-        *numbers([SPRING_STIFFNESS * modulus / model.radius, 0.0, SPRING_DISTANCE]),
-        "*CONTACT PAIR, INTERACTION=PRESSING, TYPE=NODE TO SURFACE, SMALL SLIDING",
-        "SLAVE, MASTER",
-        *ties,
-        *fixed,
-        *("*STEP, INC=200", "*STATIC", "1., 1.", *load),
-        *(f"*NODE PRINT, NSET={CONTACT}", "U", f"*NODE PRINT, NSET={FACE}", "RF"),
-        *(f"*NODE PRINT, NSET={REFERENCE}", "U") * by_force,
-        *("*NODE FILE, OUTPUT=2D", "U, RF", "*CONTACT FILE", "CDIS, CSTR", "*END STEP"),
     ]
+    lower_sides = ((cell, 1) for cell in range(len(cells)))
+    surfaces = [*surface("SLAVE", model.mesh.faces), *surface("MASTER", lower_sides, first_cell)]
+    return {
+        "pad": "\n".join(pad),
+        "pad_nodes": range(first + 1, reference),
+        "surfaces": "\n".join(surfaces),
+        "stiffness": SPRING_STIFFNESS * scale * model.scene.problem.units.modulus,
+        "spring_distance": SPRING_DISTANCE,
+        "by_force": model.scene.load_.indentation is None and not np.ptp(state.heights),
+        "reference": reference,
+        "height": height,
+    }
 
 
 def _pad(face: Array, height: float) -> tuple[Array, Indices]:

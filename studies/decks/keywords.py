@@ -1,9 +1,10 @@
-"""Write the keywords that CalculiX and Abaqus share: nodes, elements, material and comments."""
+"""What the decks of CalculiX and Abaqus share: the model, templates, and the head of a deck."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from textwrap import wrap
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,10 +17,9 @@ COMMENT_WIDTH = 100
 """Greatest number of characters in a line of a comment."""
 PER_LINE = 8
 """Greatest number of numbers on a line, because Abaqus reads at most 256 characters a line."""
-CONTACT, FACE, FAR, BASE = "CONTACT", "FACE", "FAR", "BASE"
-AXIS, REFERENCE = "AXIS", "REF"
+CONTACT, FACE, FAR, BASE, AXIS = "CONTACT", "FACE", "FAR", "BASE", "AXIS"
 """Names of node sets: the surface below the punch, the face of the punch, the clamped arc, a rigid
-base, the axis, and the reference node, which moves with the punch."""
+base, and the axis."""
 
 
 class Material(NamedTuple):
@@ -128,38 +128,61 @@ class State:
         return self.indentation - self.lowest
 
 
-def heading(model: Model, description: str) -> list[str]:
-    """Return the heading: the title of the scene, a description, units, and stable wear steps.
+def render(template: str, **context: Any) -> str:
+    """Return a text from a template in this folder, without a line end."""
+    from jinja2 import StrictUndefined, Template
 
-    A line that began with the title could be a keyword, because titles may begin with an asterisk.
-    """
-    title = model.scene.title.encode("ascii", "replace").decode() or "untitled"
-    units = model.scene.units or "none: any consistent units"
-    steps = [f"** {part}" for line in model.wear_steps for part in wrap(line, COMMENT_WIDTH)]
-    return ["*HEADING", f"Scene {title[:70]}: {description}", f"** units: {units}", *steps]
+    source = Path(__file__).with_name(f"{template}.j2").read_text("utf-8")
+    read = Template(source, trim_blocks=True, lstrip_blocks=True, undefined=StrictUndefined)
+    return read.render(**context).rstrip("\n")
 
 
-def notes(model: Model, states: Sequence[State], scale: float, lowest: float) -> list[str]:
-    """Return the comments that `reports.py` reads: times, rings, and the scale of displacements.
+def head(
+    model: Model,
+    description: str,
+    comments: Sequence[str],
+    states: Sequence[State],
+    scale: float | None = None,
+) -> str:
+    """Return what decks have before their steps: a heading, comments and the half-space.
+
+    A line that began with the title of the scene could be a keyword, because titles may begin with
+    an asterisk. The comments that `reports.py` reads have times, rings, and the scale of
+    displacements.
 
     Parameters
     ----------
-    scale : factor that turns displacements of the deck into those of the scene
-    lowest : height that is added to the displacement of the punch to obtain the indentation
+    description, comments : of the deck
+    states : the punch at the times of the deck
+    scale : of contact decks, the factor that turns displacements of the deck into those of the
+        scene, and which the modulus is multiplied by; the punch then touches at first
     """
-    rings = model.scene.problem.graded or model.scene.problem.rings
+    mesh, rings = model.mesh, model.scene.problem.graded or model.scene.problem.rings
     inner, outer = rings.wear_coefficients
-    values_by_name = {
+    notes = {
         "times": [state.time for state in states],
         "ring edges": rings.ring_edges * model.radius,
         "wear at inner edges": inner,
         "wear at outer edges": outer,
-        "displacements times": [scale],
-        "lowest height": [lowest],
+        "displacements times": [scale or 1.0],
+        # height that is added to the displacement of the punch to obtain the indentation
+        "lowest height": [states[0].lowest if scale else 0.0],
     }
-    return [
-        f"** {name}: {line}" for name, values in values_by_name.items() for line in numbers(values)
+    sets = {CONTACT: mesh.contact, AXIS: mesh.axis, FAR: mesh.far}
+    if len(mesh.base):
+        sets[BASE] = mesh.base
+    lines = [
+        *nodes(mesh.points * [model.radius, -model.radius], 1, "ALL"),
+        *elements(mesh.cells, model.element, "SOLID", 1),
+        *(line for name, members in sets.items() for line in node_set(name, members)),
     ]
+    return render(
+        "head.inp",
+        **{"model": model, "description": description, "comments": comments, "notes": notes},
+        title=model.scene.title.encode("ascii", "replace").decode() or "untitled",
+        steps=[part for line in model.wear_steps for part in wrap(line, COMMENT_WIDTH)],
+        **{"numbers": numbers, "mesh": "\n".join(lines), "scale": scale or 1.0},
+    )
 
 
 def numbers(values: ArrayLike) -> Iterator[str]:
@@ -167,35 +190,6 @@ def numbers(values: ArrayLike) -> Iterator[str]:
     rest = np.ravel(values)
     for start in range(0, len(rest), PER_LINE):
         yield ", ".join(f"{value:.12g}" for value in rest[start : start + PER_LINE])
-
-
-def half_space(model: Model, scale: float = 1.0) -> list[str]:
-    """Return nodes, elements, sets, material and boundary conditions of the half-space.
-
-    Parameters
-    ----------
-    scale : factor on the modulus of the scene
-    """
-    mesh = model.mesh
-    sets = {CONTACT: mesh.contact, AXIS: mesh.axis, FAR: mesh.far}
-    if len(mesh.base):
-        sets[BASE] = mesh.base
-    heights = mesh.points * [model.radius, -model.radius]
-    lines = [
-        *nodes(heights, 1, "ALL"),
-        *elements(mesh.cells, model.element, "SOLID", 1),
-        *(line for name, members in sets.items() for line in node_set(name, members)),
-    ]
-    for material in model.materials:
-        if material.elements is not None:
-            lines += [f"*ELSET, ELSET={material.elset}", *numbers(material.elements + 1)]
-        lines += [
-            f"*MATERIAL, NAME={material.name}",
-            "*ELASTIC",
-            f"{scale * material.youngs_modulus:.12g}, {material.poisson_ratio:.12g}",
-            f"*SOLID SECTION, ELSET={material.elset}, MATERIAL={material.name}",
-        ]
-    return [*lines, "*BOUNDARY", f"{AXIS}, 1, 1", *(f"{name}, 1, 2" for name in model.clamped)]
 
 
 def nodes(points: Array, first: int, name: str) -> list[str]:
@@ -231,8 +225,8 @@ def surface(name: str, faces: Iterable[tuple[int, int]], first: int = 1) -> list
     ]
 
 
-def pressed_nodes(model: Model, state: State) -> list[str]:
+def pressed_nodes(model: Model, state: State) -> str:
     """Return prescribed displacements u = d - f that press the contact nodes on the face."""
     depths = state.indentation - state.heights
     pairs = zip(model.mesh.contact, depths, strict=True)
-    return ["*BOUNDARY", *(f"{node + 1}, 2, 2, {-depth:.12g}" for node, depth in pairs)]
+    return "\n".join(f"{node + 1}, 2, 2, {-depth:.12g}" for node, depth in pairs)

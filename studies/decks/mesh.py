@@ -5,7 +5,7 @@ Non-dimensional: the punch has radius 1, and depth is positive into the half-spa
 
 import itertools
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from skfem import MeshQuad
@@ -68,19 +68,22 @@ class DeckMesh:
         return np.hstack([self.mesh.p, middles] if self.quadratic else [self.mesh.p]).T
 
     @cached_property
-    def cells(self) -> Indices:
-        """(m, 4 or 8) nodes of the elements, anticlockwise with the height upwards.
-
-        The corners are followed by the middles of the sides, as in CAX4 and CAX8.
-        """
-        corners, sides = self.mesh.t, self.mesh.t2f + self.mesh.nvertices
+    def _around(self) -> tuple[Indices, Indices]:
+        """Corners and sides (4, m) of the elements, anticlockwise with the height upwards."""
+        corners, sides = self.mesh.t, self.mesh.t2f
         r, z = self.mesh.p[:, corners]
         twice_area = (r * np.roll(z, -1, axis=0) - np.roll(r, -1, axis=0) * z).sum(axis=0)
         # depth points down: clockwise in radius and depth is anticlockwise in radius and height
         clockwise = twice_area < 0
         corners = np.where(clockwise, corners, corners[[0, 3, 2, 1]])
-        sides = np.where(clockwise, sides, sides[::-1])
-        return np.vstack([corners, sides] if self.quadratic else [corners]).T
+        return corners, np.where(clockwise, sides, sides[::-1])
+
+    @cached_property
+    def cells(self) -> Indices:
+        """(m, 4 or 8) nodes of the elements: corners and middles of sides, as in CAX4 and CAX8."""
+        corners, sides = self._around
+        middles = sides + self.mesh.nvertices
+        return np.vstack([corners, middles] if self.quadratic else [corners]).T
 
     @cached_property
     def contact(self) -> Indices:
@@ -90,11 +93,9 @@ class DeckMesh:
     @cached_property
     def faces(self) -> list[tuple[int, int]]:
         """Elements at the contact, from inside to outside, each with its side there, from 1."""
+        _, sides = self._around
         cells = self.mesh.f2t[0, self._facets]
-        ends = np.sort(self.mesh.facets[:, self._facets], axis=0)
-        corners = self.cells[cells, :4].T
-        sides = np.sort([corners, np.roll(corners, -1, axis=0)], axis=0)
-        numbers = (sides == ends[:, None]).all(axis=0).argmax(axis=0) + 1
+        numbers = (sides[:, cells] == self._facets).argmax(axis=0) + 1
         return list(zip(cells.tolist(), numbers.tolist(), strict=True))
 
     @property
@@ -141,7 +142,8 @@ def deck_mesh(ring_edges: Array, size: float, reach: float, quadratic: bool) -> 
     """
     refuse_reach(reach)
     edges = from_axis(ring_edges)
-    radii, depths = _radii(edges, size), _depths(edges, size)
+    radii, least = _radii(edges, size), _edge_sizes(edges, size)[1:].min()
+    depths = structured.growing_distances(structured.SQUARE, least, size, GROWTH * size)
     shells = structured.shells_around(reach, GROWTH * size)
     around = len(radii) + len(depths) - 2
     count = (len(radii) - 1) * (len(depths) - 1) + around * (len(shells) - 1)
@@ -219,34 +221,18 @@ def _edge_sizes(edges: Array, size: float) -> Array:
 
 def _radii(edges: Array, size: float) -> Array:
     """Return the radii of the vertices of the square, from 0 to its side."""
-    widths, lines = np.diff(edges), [np.zeros(1)]
-    scales, edge_sizes = np.minimum(widths / WIDE, 1.0), _edge_sizes(edges, size)
+    grow = partial(structured.growing_distances, growth=GROWTH * size)
+    edge_sizes, lines = _edge_sizes(edges, size), list[Array]([np.zeros(1)])
+    largest = size * np.minimum(np.diff(edges) / WIDE, 1.0)
     for number, (start, end) in enumerate(itertools.pairwise(edges)):
-        largest, half = size * scales[number], widths[number] / 2
-        if start == 0:
-            from_edge = structured.growing_distances(
-                widths[number], edge_sizes[1], largest, GROWTH * size
-            )
-            lines.append((end - from_edge[::-1])[1:])
-            continue
-        inner, outer = (
-            structured.growing_distances(half, edge_size, largest, GROWTH * size)
-            for edge_size in edge_sizes[number : number + 2]
-        )
-        lines += [start + inner[1:], (end - outer[::-1])[1:]]
-    beyond_rim = structured.growing_distances(
-        structured.SQUARE - 1, edge_sizes[-1], size, GROWTH * size
-    )
-    radii = np.concatenate([*lines, 1 + beyond_rim[1:]])
+        # sizes grow to the middle of a ring, or to the axis
+        middle = (start + end) / 2 if start else 0.0
+        if start:
+            lines.append(start + grow(middle - start, edge_sizes[number], largest[number])[1:])
+        lines.append((end - grow(end - middle, edge_sizes[number + 1], largest[number])[::-1])[1:])
+    lines.append(1 + grow(structured.SQUARE - 1, edge_sizes[-1], size)[1:])
+    radii = np.concatenate(lines)
     # remove the roundoff of ring edges and of the end
     for exact in (*edges, structured.SQUARE):
         radii[np.abs(radii - exact).argmin()] = exact
     return radii
-
-
-def _depths(edges: Array, size: float) -> Array:
-    """Return the depths of the vertices of the square, from the surface to its side."""
-    scale = min(float(np.diff(edges).min()) / WIDE, 1.0)
-    return structured.growing_distances(
-        structured.SQUARE, RIM_SIZE * size**2 * scale, size, GROWTH * size
-    )

@@ -16,7 +16,7 @@ import pandas as pd
 
 from ...meshes import Array
 from .errors import EIGENVALUE, STABLE
-from .orders import DIFFERS
+from .orders import DIFFERS, sequences
 from .record import SOLVED
 from .way import KEYS_OF_STUDIES, Part
 
@@ -32,6 +32,8 @@ MOST_WORDS, MOST_WORDS_OF_PART, MOST_SENTENCES = 30, 18, 8
 """Greatest numbers of words of a sentence and of a thing that it lists, and of sentences."""
 MOST_LETTERS = 60
 """Greatest length of a reason in the table."""
+EMPTY = pd.DataFrame()
+"""The table of orders or costs of a study that has none."""
 
 
 def worst(table: pd.DataFrame) -> pd.DataFrame:
@@ -91,40 +93,39 @@ def costs_of(table: pd.DataFrame, axis: str = "size") -> pd.DataFrame:
     parts = each[["quantity", "when"]].drop_duplicates()
     if len(parts) > 1 and WORST not in set(parts["quantity"]):
         each = pd.concat([worst(each), each])
-    for key, levels in each.groupby(list(KEYS_OF_STUDIES), sort=False):
+    for key, levels in sequences(each):
         sizes = levels["error"].abs().to_numpy()
         ends = {"finest error": sizes[-1], "reference": levels["reference"].max()}
         ends |= {"of": levels["of"].iloc[-1]} if "of" in levels else {}
         for goal in GOALS:
             told = {name: reached(levels[name].to_numpy(float), sizes, goal) for name in names}
-            key_of = dict(zip(KEYS_OF_STUDIES, key, strict=True))
-            rows.append(key_of | {"goal": goal} | told | ends)
+            rows.append(key | {"goal": goal} | told | ends)
     return pd.DataFrame(rows)
 
 
-def answer(measured: pd.DataFrame, fits: pd.DataFrame, costs: pd.DataFrame) -> pd.DataFrame:
+def answer(
+    measured: pd.DataFrame, fits: pd.DataFrame = EMPTY, costs: pd.DataFrame = EMPTY
+) -> pd.DataFrame:
     """Return the answer as texts: a row for each way, a column for each quantity and each cost."""
     rows, names = [], [name for name in ("unknowns", "seconds", "step", "reach") if name in costs]
-    orders = {tuple(row[key] for key in KEYS_OF_STUDIES): row for row in fits.to_dict("records")}
     parts = dict.fromkeys(map(Part, measured["quantity"], measured["when"]))
-    columns = ["case", "way", *(str(part) for part in parts if pd.notna(part.quantity))]
-    for (case, way), levels in measured.groupby(["case", "way"], sort=False):
-        row = {"case": case, "way": way}
-        for (quantity, when), each in levels.groupby(["quantity", "when"], sort=False):
-            fit = orders.get((case, way, quantity, when), {})
-            order, theory = (
-                short(fit.get(name, np.nan), form)
-                for name, form in (("order", ".2f"), ("theory", ".2g"))
-            )
+    columns = {str(part): "" for part in parts if pd.notna(part.quantity)}
+    orders = fits.reindex(columns=[*KEYS_OF_STUDIES, "order", "theory"])
+    fitted = measured.merge(orders.astype({"order": float, "theory": float}), "left")
+    for (case, way), levels in fitted.groupby(["case", "way"], sort=False):
+        row = {"case": case, "way": way} | columns
+        for part, each in levels.groupby(["quantity", "when"], sort=False):
+            last = each.iloc[-1]
+            order, theory = short(last["order"], ".2f"), short(last["theory"], ".2g")
             # of values of a key, the greatest error counts
-            error = each["error"].abs().max() if "key" in each else abs(each["error"].iloc[-1])
+            error = each["error"].abs().max() if "key" in each else abs(last["error"])
             words = f"{order} ({theory})" if theory else order
-            row[str(Part(quantity, when))] = ", ".join(filter(None, (words, short(error))))
-        of_way = costs[(costs["case"] == case) & (costs["way"] == way)] if len(costs) else costs
-        for cost in of_way.to_dict("records"):
-            told = [short(cost[name], ".0f" if name == "unknowns" else "g") for name in names]
-            head = f"{Part(cost['quantity'], cost['when'])}, {' and '.join(names)}"
-            row[f"{head}: {short(cost['goal'], '.0e')}"] = ", ".join(filter(None, told))
+            row[str(Part(*part))] = ", ".join(filter(None, (words, short(error))))
+        for cost in costs.to_dict("records"):
+            if (cost["case"], cost["way"]) == (case, way):
+                told = [short(cost[name], ".0f" if name == "unknowns" else "g") for name in names]
+                head = f"{Part(cost['quantity'], cost['when'])}, {' and '.join(names)}"
+                row[f"{head}: {short(cost['goal'], '.0e')}"] = ", ".join(filter(None, told))
         if "verdict" in levels and not len(costs):
             judged = levels[levels["quantity"] == WORST]
             row["within tolerance"] = f"{(judged['verdict'] == 'within').sum()} of {len(judged)}"
@@ -132,10 +133,7 @@ def answer(measured: pd.DataFrame, fits: pd.DataFrame, costs: pd.DataFrame) -> p
             row["not solved: because"] = textwrap.shorten(reason, MOST_LETTERS, placeholder=" ...")
         rows.append(row)
     table = pd.DataFrame(rows).fillna("")
-    columns = columns[table["case"].nunique() == 1 :]
-    known = [name for name in columns if name in table]
-    others = table.columns.difference(["case", *columns], sort=False)
-    return table[[*known, *others]]
+    return table.drop(columns="case") if measured["case"].nunique() == 1 else table
 
 
 def sentence(head: str, parts: Sequence[str] = ()) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from ..crosscheck import Scene
-from .answer import MOST_SENTENCES, WORST, conclude, costs_of, worst
+from .answer import MOST_SENTENCES, WORST, answer, conclude, costs_of, worst
 from .draw import figures_of, titled
 from .measure import measure
 from .orders import DIFFERS, ORDER_TOLERANCE, fit, sequences
@@ -143,15 +143,15 @@ def conduct(declared: Declared, record: Record | None = None, quick: bool = Fals
     tables = {"costs": costs} if len(costs) else {}
     return Study(
         *(declared.name, declared.scene, table, fits, sentences, figures, tables),
-        *(declared.question, measured),
+        *(declared.question, measured, answer(measured, fits, costs)),
     )
 
 
 def shown(table: pd.DataFrame, names: Collection[str], functions: Collection[str]) -> pd.DataFrame:
     """Return the rows of the answer: of functions, and of named quantities or else of `SHOWN`."""
-    parts = [Part(*pair) for pair in zip(table["quantity"], table["when"], strict=True)]
     chosen = [
-        part.quantity in (*names, *functions) or (not names and part in SHOWN) for part in parts
+        part.quantity in (*names, *functions) or (not names and part in SHOWN)
+        for part in map(Part, table["quantity"], table["when"])
     ]
     rows = table[np.array(chosen, dtype=bool)] if any(chosen) else table.dropna(subset="quantity")
     own = rows["quantity"].isin([*functions])
@@ -198,7 +198,7 @@ def observed_orders(table: pd.DataFrame, ways: Mapping[str, Sequence[Way]]) -> p
         levels = levels[levels["size"] <= way.largest]
         if len(levels) < 2:
             continue
-        theory = way.theory(key["quantity"], key["when"])
+        theory = way.theory_of(Part(key["quantity"], key["when"]))
         fitted = fit(levels, floor=theory.floor)
         off = np.abs(np.array([fitted["order"], fitted.pop("last order")]) - theory.order)
         remarks = [theory.reason]

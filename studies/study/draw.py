@@ -8,7 +8,7 @@ roundoff; crosses at the upper end of a panel are runs without a result.
 
 import textwrap
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -35,8 +35,8 @@ XLABELS = {
     "seconds": "processor time (s)",
     "reach": "radius of the mesh / a",
 }
-KEYS = ("case", "quantity", "when")
-"""Columns whose values the titles of panels have, if they differ."""
+KEY = ("x", "case", "kind", "quantity", "when")
+"""What the rows of a panel share: the abscissa, the case, what the size is, and the quantity."""
 WITH_SLOPES = {"size": 1.0, "step": 1.0, "reach": -1.0}
 """Abscissas that theory refers to, and the sign of orders over them."""
 MOST_COLUMNS, MOST_IN_ROW = 4, 3
@@ -55,32 +55,17 @@ def titled(*parts: str) -> str:
     return ": ".join(filter(None, parts))
 
 
-class _Panel(NamedTuple):
-    """Values that the rows of a panel share, and its abscissa, by their columns; and the rows."""
+def _panels(table: pd.DataFrame, axes: Sequence[str], y: str) -> list[tuple[Any, pd.DataFrame]]:
+    """Return the panels: over each abscissa one for each case, kind of size and quantity.
 
-    key: dict[str, str]
-    x: str
-    rows: pd.DataFrame
-
-    @property
-    def part(self) -> Part:
-        """The quantity, whose panels are below each other."""
-        return Part(self.key["quantity"], self.key["when"])
-
-    @property
-    def kind(self) -> tuple[str, ...]:
-        """What the panels of a row share."""
-        return self.x, self.key["case"], self.key.get("refined", "")
-
-
-def _panels(table: pd.DataFrame, axes: Sequence[str], y: str) -> list[_Panel]:
-    """Return the panels: over each abscissa one for each case, quantity and kind of size."""
-    panels = list[_Panel]()
-    for x in axes:
-        by = ["case", *(["refined"] if x == "size" else []), "quantity", "when"]
-        groups = table.dropna(subset=[x, y]).groupby(by, sort=False)
-        panels += [_Panel(dict(zip(by, key, strict=True)), x, rows) for key, rows in groups]
-    return panels
+    Each has its key, the values of `KEY`, and its rows, with the abscissa as `place`.
+    """
+    over_axes = [
+        table.assign(x=x, place=table[x], kind=table["refined"] if x == "size" else "")
+        for x in axes
+    ]
+    rows = pd.concat(over_axes).dropna(subset=["place", y])
+    return list(rows.groupby(list(KEY), sort=False))
 
 
 def figures_of(
@@ -109,7 +94,7 @@ def draw(
 
     Parameters
     ----------
-    table : table of `measure`, or rows of it
+    table : table of `measure`, or rows of it; sizes below a column `unresolved` are shaded
     axes : columns of the abscissas; each has rows of panels of its own
     y : column of the ordinate
     orders : table of observed orders, whose theoretical orders are drawn as dotted lines
@@ -119,34 +104,35 @@ def draw(
     """
     ways, panels = table.drop_duplicates("way"), _panels(table, axes, y)
     looks = looks or looks_of_ways(zip(ways["way"], ways["method"], strict=True))
-    parts = list(dict.fromkeys(panel.part for panel in panels))
-    kinds = list(dict.fromkeys(panel.kind for panel in panels))
-    count = max(len(panels), 1)
-    if len(kinds) > 1 and 1 < len(parts) <= MOST_COLUMNS:
-        across = len(parts)
-        places = [(kinds.index(panel.kind), parts.index(panel.part)) for panel in panels]
-    else:
-        across = -(-count // -(-count // MOST_IN_ROW))
+    # panels of a row share abscissa, case and kind of size, those of a column the quantity
+    kinds = list(dict.fromkeys(key[:3] for key, _ in panels))
+    parts = list(dict.fromkeys(Part(*key[3:]) for key, _ in panels))
+    cases = {case for _, case, *_ in kinds}
+    places = [(kinds.index(key[:3]), parts.index(Part(*key[3:]))) for key, _ in panels]
+    down, across = len(kinds), len(parts)
+    if down == 1 or not 1 < across <= MOST_COLUMNS:
+        count = max(len(panels), 1)
+        down = -(-count // MOST_IN_ROW)
+        across = -(-count // down)
         places = [divmod(number, across) for number in range(count)]
-    down = 1 + max(row for row, _ in places)
-    varied = [name for name in KEYS if len({panel.key[name] for panel in panels}) > 1]
     width = PAGE if across > 1 else 0.62 * PAGE
     height = 0.95 + (PANEL_HEIGHT + 0.3) * down + 0.15 * -(-len(ways) // max(1, int(width / 1.7)))
     with in_style():
         figure, grid = new_panels(width, height, down, across)
-        for panel, place in zip(panels, places, strict=False):
-            sub, x, rows, case = grid[place], panel.x, panel.rows, panel.key["case"]
+        for (key, rows), place in zip(panels, places, strict=False):
+            sub, (x, case, kind, *part) = grid[place], key
             _draw_panel(sub, rows, x, y, looks)
             if orders is not None and len(orders) and x in WITH_SLOPES and y == "error":
-                _draw_orders(sub, rows, x, orders, WITH_SLOPES[x])
+                _draw_orders(sub, rows, orders, WITH_SLOPES[x])
             if y == "error":
                 _shade(sub, rows, x)
             _mark_failures(sub, table[(table["case"] == case) & table["quantity"].isna()], x, looks)
-            sub.set_title(_panel_title(panel, varied))
-            kind = ", ".join(rows["refined"].dropna().unique()) if x == "size" else x
-            name, default = (case, case) if x == "parameter" else (x, kind)
-            label = (XLABELS | dict(labels or {})).get(name, default)
-            sub.set_xlabel(textwrap.fill(label, 42))
+            alone = len(parts) == 1 < len(cases)
+            name = titled(case * (len(cases) > 1), "" if alone else str(Part(*part)))
+            sub.set_title(textwrap.fill(name, 34))
+            by_key = x == "parameter"
+            label = (XLABELS | dict(labels or {})).get(case if by_key else x)
+            sub.set_xlabel(textwrap.fill(label or (case if by_key else kind or x), 42))
         for place in set(np.ndindex(grid.shape)) - set(places[: len(panels)]):
             grid[place].set_axis_off()
         for row in range(down):
@@ -154,21 +140,14 @@ def draw(
         return complete(figure, [title], list(grid.flat), across=0.52, down=0.66)
 
 
-def _panel_title(panel: _Panel, varied: list[str]) -> str:
-    """Return the title of a panel: the values that differ between panels."""
-    words = [panel.key["case"]] if "case" in varied else []
-    if {"quantity", "when"} & set(varied) or not words:
-        words.append(str(panel.part))
-    return "\n".join(textwrap.wrap(": ".join(words), 34))
-
-
 def _draw_panel(
     axes: "Axes", rows: pd.DataFrame, x: str, y: str, looks: Mapping[str, Look]
 ) -> None:
     """Draw the curves of a panel, and the spread of seconds."""
+    by_key = x == "parameter"
     for way, levels in rows.groupby("way", sort=False):
-        look, levels = looks[str(way)], levels.sort_values(x) if x == "parameter" else levels
-        abscissa = levels[x].to_numpy(float)
+        look, levels = looks[str(way)], levels.sort_values("place") if by_key else levels
+        abscissa = levels["place"].to_numpy(float)
         values = levels[y].to_numpy(float)
         if y == "error":
             values = np.clip(np.abs(values), LEAST_ERROR, GREATEST_ERROR)
@@ -180,12 +159,12 @@ def _draw_panel(
             ]
             style: Look = {"fmt": "none", "color": look["color"], "linewidth": 0.6}
             axes.errorbar(abscissa, values, xerr=spread_of, **style)
-    places = rows[x].to_numpy(float)
+    places = rows["place"].to_numpy(float)
     if y == "error" or (rows[y] > 0).all():
         set_logarithmic(axes, "y")
     else:
         set_linear(axes, "y", most=4)
-    if (places > 0).all() and (x != "parameter" or places.max() > 8 * places.min()):
+    if (places > 0).all() and (not by_key or places.max() > 8 * places.min()):
         set_logarithmic(axes, "x")
     else:
         set_linear(axes, "x", most=4)
@@ -194,18 +173,16 @@ def _draw_panel(
     axes.set_axisbelow(True)
 
 
-def _draw_orders(
-    axes: "Axes", rows: pd.DataFrame, x: str, orders: pd.DataFrame, sign: float
-) -> None:
+def _draw_orders(axes: "Axes", rows: pd.DataFrame, orders: pd.DataFrame, sign: float) -> None:
     """Draw a dotted line for each theoretical order, below the most accurate way that has it."""
     judged = rows.merge(orders[[*KEYS_OF_STUDIES, "theory"]], on=[*KEYS_OF_STUDIES])
     for order, levels in judged[judged["error"] != 0].groupby("theory"):
         finest = levels.loc[levels["error"].abs().idxmin()]
         lowest = BELOW * abs(finest["error"])
-        sizes = levels.loc[levels["way"] == finest["way"], x].to_numpy(float)
-        line = lowest * (sizes / finest[x]) ** (sign * float(order))
+        sizes = levels.loc[levels["way"] == finest["way"], "place"].to_numpy(float)
+        line = lowest * (sizes / finest["place"]) ** (sign * float(order))
         axes.plot(sizes, line, color="0.3", linewidth=0.8, linestyle=":", scaley=False)
-        axes.annotate(f"{order:.2g}", (finest[x], lowest), fontsize=6, ha="right", va="top")
+        axes.annotate(f"{order:.2g}", (finest["place"], lowest), fontsize=6, ha="right", va="top")
 
 
 def _mark_failures(axes: "Axes", failed: pd.DataFrame, x: str, looks: Mapping[str, Look]) -> None:
@@ -217,17 +194,23 @@ def _mark_failures(axes: "Axes", failed: pd.DataFrame, x: str, looks: Mapping[st
 
 
 def _shade(axes: "Axes", rows: pd.DataFrame, x: str) -> None:
-    """Shade errors above what is promised, and those below the error of the reference."""
+    """Shade what is beyond a tolerance, the error of the reference, or the size of the elements."""
     low, high = axes.get_ylim()
-    promised = rows.dropna(subset=["tolerance"]).sort_values(x).drop_duplicates(x)
+    promised = rows.dropna(subset=["tolerance"]).sort_values("place").drop_duplicates("place")
     if len(promised) > 1 and x == "parameter":
-        axes.plot(promised[x], promised["tolerance"], color="0.4", linewidth=0.7)
-        axes.fill_between(promised[x], promised["tolerance"], 1e12, color=RED, alpha=0.07, lw=0)
-    floor = rows.groupby(x)["reference"].max()
+        ends = promised["place"], promised["tolerance"]
+        axes.plot(*ends, color="0.4", linewidth=0.7)
+        axes.fill_between(*ends, 1e12, color=RED, alpha=0.07, lw=0)
+    floor = rows.groupby("place")["reference"].max()
     shade: Look = {"color": "0.93", "linewidth": 0, "zorder": 0}
     if x == "parameter":
         # each value of a key has a reference of its own
         axes.fill_between(floor.index, low / 10, floor, where=floor > low, **shade)
     elif floor.max() > low:
         axes.axhspan(low / 10, floor.max(), **shade)
+    if "unresolved" in rows:
+        left, _ = axes.get_xlim()
+        unresolved = "waves finer than the elements"
+        axes.axvspan(left, rows["unresolved"].min(), label=unresolved, **shade)
+        axes.set_xlim(left=left)
     axes.set_ylim(low, high)

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from ...mdr import energy
-from ...meshes import Array, PressureSpace, RingwearError
+from ...meshes import Array, Compliance, PressureSpace, RingwearError
 from ..crosscheck import (
     COMPARED_MODES,
     DESCRIBED,
@@ -113,7 +113,7 @@ def error(
     values: Results,
     exact: Results,
     problem: Problem,
-    among: NDArray[np.bool_] | None = None,
+    among: NDArray[np.bool_] | bool = True,
 ) -> float:
     """Return the relative error of a quantity; NaN if the values lack it.
 
@@ -122,7 +122,7 @@ def error(
     part : quantity, at the start or later
     values, exact : values of a solution and of the reference, by quantity; fields are on the face
     problem : problem of the case
-    among : (T,) mask of the times to take into account; None for all
+    among : (T,) mask of the times to take into account; True for all
 
     Returns
     -------
@@ -146,7 +146,7 @@ def error(
         sizes = differences({name: value}, exact, problem.face)[name]
     selected: Any = ...
     if part.when != ALL:
-        selected = at(problem, part.when) & (True if among is None else among)
+        selected = at(problem, part.when) & among
     elif "mode" in DESCRIBED[name].dims:
         selected = slice(COMPARED_MODES)
     chosen = np.atleast_1d(sizes[selected])
@@ -163,7 +163,7 @@ def estimate(
     part: Part,
     solution: Solution,
     problem: Problem,
-    among: NDArray[np.bool_] | None = None,
+    among: NDArray[np.bool_] | bool = True,
 ) -> float:
     """Return the method's own error estimate of a quantity, at the same times; NaN without one."""
     name = part.quantity
@@ -173,8 +173,7 @@ def estimate(
         return float(np.max(solution.errors[name]))
     errors = np.atleast_1d(solution.compared_error(problem, name))
     if part.when != ALL:
-        mask = at(problem, part.when) & (True if among is None else among)
-        errors = errors[mask[: len(errors)]]
+        errors = errors[(at(problem, part.when) & among)[: len(errors)]]
     elif "mode" in DESCRIBED[name].dims:
         errors = errors[:COMPARED_MODES]
     errors = errors[~np.isnan(errors)]
@@ -183,13 +182,13 @@ def estimate(
 
 def promised_times(
     problem: Problem, quantity: str, method: str, solution: Solution
-) -> NDArray[np.bool_] | None:
+) -> NDArray[np.bool_] | bool:
     """Return a mask (T,) of the times at which a solution promises the accuracy of a quantity.
 
-    It is None if the quantity does not depend on time.
+    It is True if the quantity does not depend on time.
     """
     if quantity not in QUANTITIES or not QUANTITIES[quantity].over_time:
-        return None
+        return True
     times = range(len(problem.compared_rows))
     return np.array([not unresolved(problem, quantity, {method: solution}, row) for row in times])
 
@@ -204,33 +203,51 @@ def values_of(case: Case, solution: Solution, names: Collection[str]) -> Results
     names : names of quantities that the study asks for
     """
     values, half_space = dict(solution.compared), solution.half_space
-    if half_space is not None and solution.wear is not None:
-        if ENERGY in names:
-            values[ENERGY] = np.sqrt(np.maximum(energy_errors(case.problem, solution), 0.0))
-        if EIGENVALUE in names and solution.wear.compliance.space.size <= MOST_PRESSURES:
-            compliance = solution.wear.compliance
-            exact = energy.compliance(compliance.space)
-            least = least_ratio_of_energies(compliance.factor, exact.factor)
-            values[EIGENVALUE] = np.array(least)
+    if half_space is not None and solution.wear is not None and not {*ITSELF}.isdisjoint(names):
+        compliance = solution.wear.compliance
+        # the energy of a pressure is exact by MDR; by elements with the displacement u_h it is too
+        # small by that of u - u_h, because u_h is the best approximation in their space
+        exact = energy.compliance(compliance.space)
+        gaps = energy_differences(exact, compliance, states(case.problem, solution))
+        values[ENERGY] = np.sqrt(np.maximum(gaps, 0.0))
+        if EIGENVALUE in names and compliance.space.size <= MOST_PRESSURES:
+            values[EIGENVALUE] = energy_ratios(compliance.factor, exact.factor)[-1]
     if half_space is not None and STRESS in names and solution.unknowns <= MOST_UNKNOWNS_INSIDE:
-        states = states_inside(case.problem, solution)
-        if len(states):
-            values[STRESS] = element_stresses(half_space, states)
+        inside = states_inside(case.problem, solution)
+        if len(inside):
+            values[STRESS] = element_stresses(half_space, inside)
     return values
 
 
-def least_ratio_of_energies(first: Array, second: Array) -> float:
-    """Return the least ratio of the energies by two compliances, given their factors (m, n).
+def energy_ratios(first: Array, second: Array) -> Array:
+    """Return the generalised ratios (n,) of the energies by two compliances, decreasing.
 
-    The ratio is the first energy over the second. It is computed from singular values, because an
+    A ratio is the first energy over the second. They are computed from singular values, because an
     eigensolver for the energies themselves cannot resolve ratios below 1e-15.
+
+    Parameters
+    ----------
+    first, second : factors (m, n) of the compliances
     """
     scale = np.linalg.norm(second, axis=0)
     triangle = np.linalg.qr(second / scale, mode="r")
-    ratios = solve_triangular(triangle, (first / scale).T, trans="T").T
-    if first.shape[0] < first.shape[1]:
-        return 0.0
-    return float(np.linalg.svd(ratios, compute_uv=False)[-1] ** 2)
+    image = solve_triangular(triangle, (first / scale).T, trans="T").T
+    ratios = np.zeros(len(scale))
+    values = np.linalg.svd(image, compute_uv=False) ** 2
+    ratios[: len(values)] = values
+    return ratios
+
+
+def energy_differences(exact: Compliance, ours: Compliance, pressures: Array) -> Array:
+    """Return the exact energies of pressures (m, n) minus ours, over the exact ones (m,).
+
+    At a fixed indentation the pressure decays to zero: the difference is then 0.
+    """
+    reference, found = (
+        np.sum((pressures @ compliance.factor.T) ** 2, axis=1) for compliance in (exact, ours)
+    )
+    gaps = np.zeros(len(reference))
+    return np.divide(reference - found, reference, out=gaps, where=reference > 0)
 
 
 def history_of(problem: Problem, solution: Solution) -> History:
@@ -255,23 +272,6 @@ def states(problem: Problem, solution: Solution) -> Array:
     if solution.wear is None:
         return pressures
     return np.concatenate([pressures, solution.wear.steady.pressure[None]])
-
-
-def energy_errors(problem: Problem, solution: Solution) -> Array:
-    """Return the energy of the displacement error over the energy of each state.
-
-    For a pressure p, MDR gives the exact energy ``p . A_mdr p``, and elements with the displacement
-    u_h give ``p . A_fem p``. Their difference is the energy of u - u_h, because u_h is the best
-    approximation in the finite-element space.
-    """
-    pressures = states(problem, solution)
-    assert solution.wear is not None
-    compliance = solution.wear.compliance
-    exact, ours = (
-        np.sum((pressures @ factor.T) ** 2, axis=1)
-        for factor in (energy.compliance(compliance.space).factor, compliance.factor)
-    )
-    return np.divide(exact - ours, exact, out=np.zeros(len(exact)), where=exact > 0)
 
 
 def states_inside(problem: Problem, solution: Solution) -> Array:

@@ -41,21 +41,23 @@ def slope(x: Array, y: Array) -> Fitted:
     """
     if len(x) < 2 or not np.ptp(x):
         return Fitted()
-    centred = x - x.mean()
-    spread = float(centred @ centred)
-    fitted = float(centred @ y) / spread
     if len(x) < 3:
-        return Fitted(fitted)
-    residuals = y - y.mean() - fitted * centred
-    deviation = np.sqrt(float(residuals @ residuals) / (len(x) - 2) / spread)
-    half = float(stdtrit(len(x) - 2, (1 + CONFIDENCE) / 2) * deviation)
-    return Fitted(fitted, fitted - half, fitted + half)
+        return Fitted(float(np.diff(y)[0] / np.diff(x)[0]))
+    (fitted, _), covariance = np.polyfit(x, y, 1, cov=True)
+    half = stdtrit(len(x) - 2, (1 + CONFIDENCE) / 2) * np.sqrt(covariance[0, 0])
+    return Fitted(float(fitted), float(fitted - half), float(fitted + half))
 
 
 def order_of_errors(sizes: Array, errors: Array) -> Fitted:
     """Return the order of errors (n,): the slope of their logarithm over that of the sizes (n,)."""
     usable = (errors > 0) & np.isfinite(errors)
     return slope(np.log(sizes[usable]), np.log(errors[usable]))
+
+
+def orders_between(sizes: Array, errors: Array) -> Array:
+    """Return the orders (n-1,) of errors (n,) between neighbouring levels of the sizes (n,)."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.diff(np.log(errors)) / np.diff(np.log(sizes))
 
 
 def order_of_changes(sizes: Array, changes: Array) -> Fitted:

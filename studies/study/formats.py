@@ -47,10 +47,9 @@ def blocks(table: pd.DataFrame, width: int = WIDTH) -> list[pd.DataFrame]:
     for title, names in groupby(others, lambda name: str(name).rpartition(": ")[0]):
         listed = [first, *names]
         for case, rows in cases:
-            part = rows[listed]
-            part = part.loc[:, (part.notna() & (part != "")).any()]
+            part = rows[listed].replace("", None).dropna(axis="columns", how="all")
             if title:
-                part = part[(part.iloc[:, 1:] != "").any(axis=1)]
+                part = part.dropna(how="all", subset=part.columns[1:])
             head = ": ".join(filter(None, (str(case), title))) or first
             shorter = [str(name).removeprefix(f"{title}: ") for name in part.columns[1:]]
             part.columns = pd.Index([head, *shorter])

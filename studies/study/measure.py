@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from ...meshes import Array, RingwearError
@@ -74,29 +75,27 @@ def measure(
     names = (*quantities, *functions)
     with threadpool_limits(1), keeping_rows(record.remarks):
         listed = [(case, list(ways(case) if callable(ways) else ways)) for case in cases]
-        total, passed = sum(len(way.levels) for _, each in listed for way in each), 0
-
-        def announce(number: int, name: str) -> None:
-            """Log which level begins, from 0."""
-            LOG.info("   level %d of %d: %s ...", number + 1, total, name)
-
+        total, first = sum(len(way.levels) for _, each in listed for way in each), 1
         for case, ways_of_case in listed:
             case_reference = exact(case)
             parts = parts_of(case, case_reference.values, names)
             for way in ways_of_case:
                 judge = _Judge(case, way, parts, case_reference, functions, only_promised)
-                _measure_way(judge, record, announce, passed, runs)
-                passed += len(way.levels)
+                _measure_way(judge, record, first, total, runs)
+                first += len(way.levels)
     return record.table
 
 
-def _measure_way(
-    judge: "_Judge", record: Record, announce: Callable[[int, str], None], passed: int, runs: int
-) -> None:
-    """Solve the levels of a way that an earlier run has not solved, and add their rows."""
+def _measure_way(judge: "_Judge", record: Record, first: int, total: int, runs: int) -> None:
+    """Solve the levels of a way that an earlier run has not solved, and add their rows.
+
+    The number of its first level, and that of all levels, are logged.
+    """
     case, way = judge.case, judge.way
     earlier = record.earlier(case.name, way.name)
-    done = _is_complete(way, earlier)
+    outcomes = [rows[0]["outcome"] for rows in earlier.values()]
+    # an earlier run has solved all levels, or has failed
+    done = len(earlier) == len(way.levels) or outcomes[-1:] not in ([], [SOLVED])
     previous, seconds_before = None, 0.0
     for number, level in enumerate(way.levels):
         rows = earlier.get(str(level), [])
@@ -107,7 +106,8 @@ def _measure_way(
             if rows[0]["outcome"] != SOLVED:
                 return
             continue
-        announce(passed + number, f"{case.name}, {way.name}, {level}")
+        names = case.name, way.name, level
+        LOG.info("   level %d of %d: %s, %s, %s ...", first + number, total, *names)
         facts, solution = _solve(case, way, level, previous, runs)
         if solution is None:
             record.add([facts])
@@ -117,12 +117,6 @@ def _measure_way(
         judged = judge.rows(facts, solution)
         record.add(rows or judged)
         previous = solution
-
-
-def _is_complete(way: Way, earlier: dict[str, list[Row]]) -> bool:
-    """Return whether an earlier run has solved all levels of a way, or has failed."""
-    outcomes = [rows[0]["outcome"] for rows in earlier.values()]
-    return outcomes[-1:] not in ([], [SOLVED]) or len(earlier) == len(way.levels)
 
 
 def _solve(
@@ -135,12 +129,12 @@ def _solve(
     }
     start = time.process_time()
     try:
-        solution, seconds = timed(partial(way.solve, case.problem, level, previous), runs)
-    except RingwearError as failure:
-        facts |= {"outcome": REFUSED, "message": str(failure)}
-        return facts | {"seconds": time.process_time() - start}, None
+        before = [previous] if way.sequential else []
+        solution, seconds = timed(partial(way.solve, case.problem, level, *before), runs)
     except Exception as failure:  # a study of extreme parameters looks for these
         facts |= {"outcome": CRASHED, "message": f"{type(failure).__name__}: {failure}"}
+        if isinstance(failure, RingwearError):
+            facts |= {"outcome": REFUSED, "message": str(failure)}
         return facts | {"seconds": time.process_time() - start}, None
     size = way.size(level) if way.size else max(solution.unknowns, 1) ** -0.5
     facts |= {"size": size, "unknowns": solution.unknowns, "outcome": SOLVED}
@@ -186,11 +180,11 @@ class _Judge:
         for part in self.parts:
             if part.quantity not in values:
                 continue
-            among = None
+            among: NDArray[np.bool_] | bool = True
             if self.only_promised:
                 among = promised_times(problem, part.quantity, method, solution)
-                if among is not None and not among.any():
-                    continue
+            if not np.any(among):
+                continue
             limit, index = self._richardson(part)
             judged = {
                 "quantity": part.quantity,

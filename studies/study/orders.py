@@ -23,10 +23,10 @@ from ..tables.frame import Frame
 from ..tables.writing import write_csv
 from .extrapolation import (
     INDEX_SAFETY_FACTOR,
-    Fitted,
     order_of_changes,
     order_of_errors,
     order_of_three,
+    orders_between,
     weight_of_limit,
 )
 from .formats import to_latex, to_markdown
@@ -147,20 +147,21 @@ def _of_numbers(
     """Return the row of a column with one number on each level."""
     sizes, values = _levels(table, by, name)
     errors, changes = np.abs(values - right), values[:-1] - values[1:]
-    last, asymptotic = _last_orders(sizes, changes)
+    last = order_of_three(sizes[-3:], changes[-2:])
     if np.isfinite(right):
-        fitted = order_of_errors(sizes, errors)
-        pairs = [
-            order_of_errors(sizes[n : n + 2], errors[n : n + 2]) for n in range(len(sizes) - 1)
-        ]
-        asymptotic = _asymptotic(*(pair.order for pair in pairs[-2:]))
+        fitted, between = order_of_errors(sizes, errors), orders_between(sizes, errors)
     else:
         monotonic = (np.sign(changes) == np.sign(changes[-1])).all()
         fitted = order_of_changes(sizes, np.abs(changes) if monotonic else changes * np.nan)
+        # the order of the three levels before the last needs a fourth one
+        pairs = [(sizes[-4:-1], changes[-3:-1])] if len(sizes) > 3 else []
+        between = np.array([*(order_of_three(*pair) for pair in pairs), last])
     distance = weight_of_limit(sizes, last) * changes[-1]
     limit = values[-1] - distance
     relative = abs(distance / values[-1]) if right != 0 and values[-1] else np.nan
-    row = _row(name, fitted, limit, relative, asymptotic)
+    index = INDEX_SAFETY_FACTOR * relative
+    numbers = (*fitted, limit, index, _asymptotic(between))
+    row = dict(zip(COLUMNS, (str(name), *numbers), strict=True))
     if np.isnan(right) and tolerance is None:
         return row
     target = limit if np.isnan(right) else right
@@ -175,25 +176,9 @@ def _of_numbers(
     return row | sheet | {"within": within}
 
 
-def _row(
-    name: Hashable, fitted: Fitted, limit: float, distance: float, asymptotic: float
-) -> dict[str, Any]:
-    """Return the row of a column; `distance` is that of the finest level to the limit, relative."""
-    index = INDEX_SAFETY_FACTOR * distance
-    return dict(zip(COLUMNS, (str(name), *fitted, limit, index, asymptotic), strict=True))
-
-
-def _last_orders(sizes: Array, changes: Array) -> tuple[float, float]:
-    """Return the order of the last three levels, and whether those before have the same."""
-    last = order_of_three(sizes[-3:], changes[-2:])
-    if len(sizes) < 4:
-        return last, np.nan
-    return last, _asymptotic(order_of_three(sizes[-4:-1], changes[-3:-1]), last)
-
-
-def _asymptotic(before: float, last: float) -> float:
-    """Return 1 if two orders agree, and 0 if they do not."""
-    return float(abs(last - before) <= ORDER_TOLERANCE)
+def _asymptotic(orders: Array) -> float:
+    """Return 1 if two orders agree, and 0 if they do not; NaN if there are not two of them."""
+    return float(abs(orders[-1] - orders[-2]) <= ORDER_TOLERANCE) if len(orders) > 1 else np.nan
 
 
 def _of_study(table: pd.DataFrame, by: str) -> list[dict[str, Any]]:
@@ -225,14 +210,14 @@ def fit(levels: pd.DataFrame, by: str = "size", floor: float = 0.0) -> dict[str,
     reference = levels["reference"].max() if "reference" in levels else 0.0
     counted = errors > np.fmax(floor, reference)
     fitted = order_of_errors(sizes[counted], errors[counted])
-    between = np.diff(np.log(errors[counted])) / np.diff(np.log(sizes[counted]))
+    between = orders_between(sizes[counted], errors[counted])
     last = levels.iloc[-1]
     return {
         **dict(zip(COLUMNS[1:4], fitted, strict=True)),
         # of a study, this is the true error of the limit
         "limit": abs(last.get("limit", np.nan)),
         "index": last.get("index", np.nan),
-        "asymptotic": _asymptotic(*between[-2:]) if len(between) > 1 else np.nan,
+        "asymptotic": _asymptotic(between),
         "last order": between[-1] if len(between) else np.nan,
         "finest error": errors[-1],
     }

@@ -3,10 +3,9 @@
 What does not fit the study is refused with the remedy.
 """
 
-from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from runpy import run_path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ...meshes import MeshError, SceneError
@@ -38,8 +37,6 @@ OF_LAYERS = "extremes, tradeoff and truncation"
 """Names of the studies that accept any punch, and layers."""
 DEFAULT_TIMES = (0.0, 0.01, 0.1, 1.0)
 """Times of scenes without any, in a / (E* k_max v0)."""
-ABSCISSAS = ("size", "unknowns", "seconds")
-"""Abscissas that a user can choose: the size that theory refers to, and costs."""
 FORM = "FILE.py:NAME"
 """How the command line names an object: a Python file, and the name of the object in it."""
 
@@ -73,24 +70,6 @@ def accept(name: str, source: Source, any_punch: bool = False, layered: bool = F
             f"studies {OF_LAYERS} accept them"
         )
     return scene
-
-
-def refuse_degree_without_mesh(degree: int | None, has_meshes: bool) -> None:
-    """Raise an error if a degree is given, but no meshes for it."""
-    if degree is not None and not has_meshes:
-        raise SceneError(
-            "degree is that of the finite elements on meshes of your own: give --mesh FILE, in "
-            "Python meshes=[...], or leave it out"
-        )
-
-
-def refuse_abscissa(against: object) -> None:
-    """Raise an error if figures have no such abscissa."""
-    if against not in ABSCISSAS:
-        raise SceneError(
-            f"against = {shown(against)} is not an abscissa of the figures: give one of "
-            f"{', '.join(ABSCISSAS)}"
-        )
 
 
 def steps_of(scene: Scene, steps: object) -> list[float]:
@@ -144,7 +123,8 @@ def read_quantities(
     entries = [given] if isinstance(given, str) or callable(given) else list(given or ())
     for entry in entries:
         if isinstance(entry, str) and ".py:" in entry:
-            functions[entry.rpartition(":")[2]] = load_quantity(entry)
+            function = _load("--quantity", entry, Callable, "a function of a result")
+            functions[entry.rpartition(":")[2]] = function
         elif callable(entry) and hasattr(entry, "__name__"):
             functions[entry.__name__] = entry
         elif isinstance(entry, str) and entry in known:
@@ -160,22 +140,6 @@ def read_quantities(
         return tuple(names), {check_one_line(name): each for name, each in functions.items()}
     except ValueError as error:
         raise SceneError(f"the name of a quantity: {error}") from None
-
-
-def load_quantity(text: str) -> Quantity:
-    """Return a function of a result from ``FILE.py:NAME``.
-
-    Raises
-    ------
-    SceneError
-        if there is no such file, or if the file does not define such a function
-    """
-    value = _load("--quantity", text)
-    if not callable(value):
-        raise SceneError(
-            f"--quantity {text}: is not a function of a result: give {FORM} of a function"
-        )
-    return value
 
 
 def read_methods(
@@ -227,11 +191,7 @@ def load_methods(given: Methods) -> list[str | Method]:
     methods = list[str | Method]()
     for entry in [given] if isinstance(given, str | Method) else given or ():
         if isinstance(entry, str) and ".py:" in entry:
-            value = _load("--methods", entry)
-            method = value() if isinstance(value, type) else value
-            if not isinstance(method, Method):
-                raise SceneError(f"--methods {entry}: is not a method: give {FORM} of a method")
-            entry = method
+            entry = _load("--methods", entry, Method, "a method")
         methods.append(entry)
     return methods
 
@@ -285,15 +245,15 @@ def load_element(text: str) -> "Element":
     """
     import skfem
 
-    name = ELEMENTS.get(text.upper(), text)
-    value = _load("--element", text) if ".py:" in text else getattr(skfem, name, None)
-    element = value() if isinstance(value, type) else value
-    if not isinstance(element, skfem.Element):
+    if ".py:" in text:
+        return _load("--element", text, skfem.Element, "an element")
+    element = getattr(skfem, ELEMENTS.get(text.upper(), text), None)
+    if not (isinstance(element, type) and issubclass(element, skfem.Element)):
         raise SceneError(
             f"--element {text}: is not an element: give one of {', '.join(ELEMENTS)}, the name "
             f"of an element of scikit-fem, such as ElementTriP3, or {FORM} of an element"
         )
-    return element
+    return element()
 
 
 def degree_of(element: "Element") -> int:
@@ -388,33 +348,38 @@ def read_meshes(
         Path(source).name if isinstance(source, str | Path) else f"mesh {number}"
         for number, source in enumerate(sources, 1)
     ]
-    count = Counter(names)
-    unique = [
-        name if count[name] == 1 else f"{source} ({number})"
-        for number, (name, source) in enumerate(zip(names, sources, strict=True), 1)
-    ]
-    return dict(zip(unique, meshes, strict=True))
+    listed = enumerate(zip(names, sources, meshes, strict=True), 1)
+    return {
+        name if names.count(name) == 1 else f"{source} ({number})": mesh
+        for number, (name, source, mesh) in listed
+    }
 
 
-def _load(option: str, text: str) -> object:
-    """Run a Python file and return the object with a given name from it.
+def _load(option: str, text: str, kind: Any, what: str) -> Any:
+    """Run a Python file and return the object with a given name from it, or an instance of a class.
+
+    Parameters
+    ----------
+    option : of the command line
+    text : file and name, as in `FORM`
+    kind, what : the type that the object must have, and what it is called
 
     Raises
     ------
     SceneError
-        if the text is not FILE.py:NAME, if the file cannot be run, or if it does not define NAME
+        if the text is not FILE.py:NAME, if the file cannot be run, or if it does not define such an
+        object
     """
-    file, colon, name = text.rpartition(":")
-    if not colon or not Path(file).is_file():
+    file, _, name = text.rpartition(":")
+    if not Path(file).is_file():
         raise SceneError(f"{option} {text}: give {FORM}, a Python file and a name defined in it")
-    spec = spec_from_file_location(Path(file).stem, file)
-    if spec is None or spec.loader is None:
-        raise SceneError(f"{option} {text}: {file} is not a Python file")
-    module = module_from_spec(spec)
     try:
-        spec.loader.exec_module(module)
+        names = run_path(file)
     except Exception as error:
         raise SceneError(f"{option} {text}: {file} fails: {error}") from error
-    if not hasattr(module, name):
+    if name not in names:
         raise SceneError(f"{option} {text}: {file} has no {name}")
-    return getattr(module, name)
+    found = names[name]() if isinstance(names[name], type) else names[name]
+    if not isinstance(found, kind):
+        raise SceneError(f"{option} {text}: is not {what}: give {FORM} of {what}")
+    return found

@@ -33,8 +33,6 @@ NUMBERS = dict.fromkeys((name for name in COLUMNS if name not in TEXTS), float)
 HIDDEN = ".writing"
 """Folder in which a study that was killed has left its rows."""
 Row = Mapping[str, Any]
-Place = tuple[str, str]
-"""Names of a case and of a way."""
 
 
 @dataclass
@@ -46,12 +44,13 @@ class Record:
     file : CSV file; None to keep the rows only in memory
     rows : the rows so far
     remarks : sentences about an interruption, and about what was left out
+    before : the rows of an earlier run
     """
 
     file: Path | None = None
     rows: list[Row] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
-    _earlier: dict[Place, dict[str, list[Row]]] = field(default_factory=dict)
+    before: Sequence[Row] = ()
 
     @classmethod
     def resumed(cls, text: str, file: Path | None) -> "Record":
@@ -65,16 +64,19 @@ class Record:
         complete = StringIO(text[: text.rfind("\n") + 1])
         # numbers are read as texts and converted by Python, which loses no digit
         table = pd.read_csv(complete, dtype=str).astype(NUMBERS)
-        record = cls(file)
-        for row in table.to_dict("records"):
-            cells = {str(name): cell for name, cell in row.items() if pd.notna(cell)}
-            levels = record._earlier.setdefault((cells["case"], cells["way"]), {})
-            levels.setdefault(cells.get("level", ""), []).append(cells)
-        return record
+        before = [
+            {str(name): cell for name, cell in row.items() if pd.notna(cell)}
+            for row in table.to_dict("records")
+        ]
+        return cls(file, before=before)
 
     def earlier(self, case: str, way: str) -> dict[str, list[Row]]:
         """Return the rows of the levels of a way that were solved before, by the level."""
-        return self._earlier.get((case, way), {})
+        levels = dict[str, list[Row]]()
+        for row in self.before:
+            if (row["case"], row["way"]) == (case, way):
+                levels.setdefault(row.get("level", ""), []).append(row)
+        return levels
 
     def add(self, rows: list[Row]) -> None:
         """Append the rows of a level to the table and to the file."""

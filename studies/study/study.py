@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import partial
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,7 +13,7 @@ from ...meshes import RingwearError, SceneError
 from ..crosscheck import AnswersGuesses, Scene, make, output_folder, shown
 from ..figures.style import html_of, in_style
 from ..tables.writing import INTERRUPTED, write_csv
-from .answer import answer, sentence
+from .answer import sentence
 from .draw import draw, titled
 from .formats import LATEX_WIDTH, blocks, to_latex, to_markdown
 from .record import SOLVED, Record
@@ -49,6 +49,7 @@ class Study(AnswersGuesses):
         numbers of what an accuracy costs
     purpose : the question of the study
     measured : rows of the table that the answer and the figure show
+    answer : how accurate each way is and what an accuracy costs by it, as texts; a row for each
 
     Examples
     --------
@@ -67,13 +68,7 @@ class Study(AnswersGuesses):
     tables: Mapping[str, pd.DataFrame] = field(default_factory=dict)
     purpose: str = ""
     measured: pd.DataFrame = field(default_factory=pd.DataFrame)
-
-    @cached_property
-    def answer(self) -> pd.DataFrame:
-        """How accurate each way is and what an accuracy costs by it, as texts; a row for each."""
-        if not len(self.measured):
-            return pd.DataFrame()
-        return answer(self.measured, self.orders, self.tables.get("costs", pd.DataFrame()))
+    answer: pd.DataFrame = field(default_factory=pd.DataFrame)
 
     def __repr__(self) -> str:
         """Return the name, the number of levels, and the conclusions."""
@@ -160,8 +155,9 @@ class Study(AnswersGuesses):
         from ..report.template import write_study
 
         title = f"Study: {self.name}"
+        captions = {"answer": f"answer: {CELLS}"}
         parts = [
-            (f"answer: {CELLS}" * (not number) if name == "answer" else name * (not number), part)
+            (captions.get(name, name) * (not number), part)
             for name in [name for name in ON_PAGE if name in tables] or [self.name]
             for number, part in enumerate(blocks(self._for_papers(name)))
         ]

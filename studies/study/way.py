@@ -2,12 +2,12 @@
 
 A way has levels, from coarse to fine. A level is a number, such as halvings, a tolerance or a time
 step, or a small frozen value. The function that solves a level receives the level itself, so that
-nothing is written as text and read back. It also receives the solution of the level before, which
-adaptive refinement needs.
+nothing is written as text and read back. Adaptive refinement also needs the solution of the level
+before.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -21,8 +21,8 @@ START, LATER, ALL = "start", "later", "all"
 KEYS_OF_STUDIES = ("case", "way", "quantity", "when")
 """Columns of a study that tell its sequences of levels apart."""
 Level: TypeAlias = Any
-Solve: TypeAlias = Callable[[Problem, Level, Solution | None], Solution]
-"""Function (problem, level, solution of the level before or None) -> solution."""
+Solve: TypeAlias = Callable[..., Solution]
+"""Function (problem, level) -> solution; of a sequential way (problem, level, solution before)."""
 
 
 class Part(NamedTuple):
@@ -54,9 +54,14 @@ class Theory(NamedTuple):
     floor_cause: str = ""
 
 
-def without_order(reason: str, *_: str) -> Theory:
-    """Return a theory without an order, and why there is none."""
-    return Theory(reason=reason)
+OTHERS = ""
+Theories: TypeAlias = dict[Part | str, Theory]
+"""Theories of parts, of all quantities at a `when`, and of all others, by `OTHERS`."""
+
+
+def without_order(reason: str) -> Theories:
+    """Return the theory that no quantity has an order, and why."""
+    return {OTHERS: Theory(reason=reason)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,11 +141,12 @@ class Way:
     name : name in tables and in the legend, such as "P2, graded"
     method : name of the method, which determines the colour: `mdr`, `bem`, `fem`, `naive`, ...
     levels : the levels, from coarse to fine
-    solve : function (problem, level, solution of the level before) -> solution
+    solve : function (problem, level) -> solution; that of a sequential way also receives the
+        solution of the level before, or None
     refined : what the size is, as the label of an axis; curves share a panel only if it is the same
     size : function of the level that returns the size to which the theory refers; None for
         1 / sqrt(unknowns), which in the plane is proportional to the size of uniform elements
-    theory : function (quantity, when) -> theoretical order
+    theory : theoretical orders
     sequential : whether a level starts from the solution of the level before; its seconds then
         include those of all levels before
     promises : whether the level is a tolerance that the solution promises to keep
@@ -154,10 +160,15 @@ class Way:
     solve: Solve
     refined: str
     size: Callable[[Level], float] | None = None
-    theory: Callable[[str, str], Theory] = lambda *_: Theory()
+    theory: Theories = field(default_factory=dict)
     sequential: bool = False
     promises: bool = False
     largest: float = np.inf
+
+    def theory_of(self, part: Part) -> Theory:
+        """Return the theory of a part: its own, or that of its `when`, or that of all others."""
+        theory = self.theory
+        return theory.get(part) or theory.get(part.when) or theory.get(OTHERS) or Theory()
 
 
 def inverse(level: float) -> float:

@@ -255,7 +255,7 @@ class Sweep:
         table = self.table["base"]
         for key, value in changes.items():
             table = with_key(table, key, value)
-        if (file := _profile_file(table)) in self.profiles:
+        if (file := str(_profile_of_file(table).get("file"))) in self.profiles:
             profile = {"kind": "table"} | self.profiles[file]
             table = with_key(table, "punch.profile", profile)
         scene = Scene.from_table(table, _name_of(changes)).with_heights(*self.heights)
@@ -336,17 +336,13 @@ def _explain_unreadable(source: str, error: OSError | ValueError) -> str:
     return f"{source} cannot be read as a sweep: {reason}; {hint.removeprefix(': ')}"
 
 
-def _profile(table: TomlTable) -> TomlTable:
-    """Return the table of the profile of a scene; empty if it has none."""
+def _profile_of_file(table: TomlTable) -> TomlTable:
+    """Return the profile of a scene if it is read from a file; else an empty table."""
     punch = table.get("punch")
     profile = punch.get("profile") if isinstance(punch, dict) else None
-    return profile if isinstance(profile, dict) else {}
-
-
-def _profile_file(table: TomlTable) -> str:
-    """Return the file from which the profile of a scene is read; empty if there is none."""
-    profile = _profile(table)
-    return "" if {"radii", "heights"} & profile.keys() else str(profile.get("file", ""))
+    if not isinstance(profile, dict) or {"radii", "heights"} & profile.keys():
+        return {}
+    return profile if profile.get("file") else {}
 
 
 def _read_profiles(base: TomlTable, columns: dict[str, Column], folder: Path) -> TomlTable:
@@ -354,17 +350,15 @@ def _read_profiles(base: TomlTable, columns: dict[str, Column], folder: Path) ->
 
     A file is sought first in the folder of the sweep file, then in the working directory.
     """
-    tables = [base]
+    tables, profiles = [base], TomlTable()
     for key, column in columns.items():
         if key in ("punch", "punch.profile", "punch.profile.file"):
             tables += [with_key(base, key, value) for value in column.values]
-    profiles: TomlTable = {}
-    for file in dict.fromkeys(filter(None, map(_profile_file, tables))):
-        in_folder = folder / file
-        path = in_folder if in_folder.is_file() else Path(file)
-        flags = next(each for each in map(_profile, tables) if each.get("file") == file)
-        read = profile_of_file(flags, path, base)
-        profiles[file] = {key: read[key] for key in ("radii", "heights")}
+    for given in filter(None, map(_profile_of_file, tables)):
+        file, in_folder = str(given["file"]), folder / str(given["file"])
+        if file not in profiles:
+            read = profile_of_file(given, in_folder if in_folder.is_file() else Path(file), base)
+            profiles[file] = {key: read[key] for key in ("radii", "heights")}
     return profiles
 
 

@@ -23,14 +23,13 @@ from threading import Thread
 from types import ModuleType
 from typing import Any
 
-import numpy as np
 import xarray
 
 from ...meshes import Array, RingwearError, SceneError, SolverError
 from ..crosscheck import LOG, computed_with, signals_wait
 from .axes import Sweep
 from .compute import compute_block
-from .template import FAILED
+from .results import FAILED, unsolved
 
 # seconds that processes must save before they are started; that takes about as long
 LEAST_SECONDS_SAVED = 4.0
@@ -94,11 +93,7 @@ def compute_blocks(
     finally:
         held.close()
     for number, reason in lost.items():
-        sizes = blocks[number].sizes.values()
-        failed = {
-            str(name): np.broadcast_to(variable.values, (*sizes, *variable.shape)).copy()
-            for name, variable in blank.data_vars.items()
-        }
+        failed = unsolved(blank, *blocks[number].sizes.values())
         failed["reason"][...], failed["status"][...] = reason, FAILED
         yield number, failed
 

@@ -25,7 +25,7 @@ from ..crosscheck import (
     solved_to_accuracy,
 )
 from .axes import Sweep
-from .template import DONE, FAILED, PENDING
+from .results import DONE, FAILED, PENDING, unsolved
 
 # Dask may run several blocks in threads of one process, in which gmsh has only one global state
 COMPUTING_LOCK = Lock()
@@ -39,16 +39,13 @@ def compute_block(sweep: Sweep, blank: xarray.Dataset) -> dict[str, Array]:
     Parameters
     ----------
     sweep : sweep that consists of the scenes of the block
-    blank : empty results of one scene (`template.one_scene`)
+    blank : empty results of one scene (`results.one_scene`)
 
     Returns
     -------
     Values of each variable, in the shape that they have in the store.
     """
-    values = {
-        str(name): np.stack([variable.values] * sweep.count)
-        for name, variable in blank.data_vars.items()
-    }
+    values = unsolved(blank, sweep.count)
     values["status"][:] = DONE
     problems = dict[int, Problem]()
     for number, changes in enumerate(sweep.changes()):

@@ -24,34 +24,32 @@ def draw(dataset: xarray.Dataset, sweep: Sweep, file: Path) -> None:
     has a column of panels. The figure shows the first method that has the quantity, at the last
     time; other axes are held at their first values.
     """
-    numerical = {
-        key: column
+    kinds = {
+        column.name: kind_of(key, Scene)
         for key, column in sweep.columns.items()
         if dataset[column.name].dtype.kind in "fi" and sweep.sizes[column.dim] > 1
     }
-    names = dict[str, list[str]]()
-    for column in numerical.values():
-        names.setdefault(column.dim, []).append(column.name)
-    dims = sorted(names, key=lambda dim: -sweep.sizes[dim])[:2]
-    panels = [{"x": name} for name in names[dims[0]]] if dims else []
-    if len(dims) == 2:
-        panels = [dict(zip("xy", (names[dim][0] for dim in dims), strict=True))]
-    style = {"marker": ".", "linestyle": "" if "draw" in dims else "-"} if len(dims) == 1 else {}
+    dims = dict.fromkeys(column.dim for column in sweep.columns.values() if column.name in kinds)
+    longest = sorted(dims, key=lambda dim: -sweep.sizes[dim])[:2]
+    along = [[name for name in kinds if dataset[name].dims == (dim,)] for dim in longest]
+    panels = [dict(zip("xy", names, strict=False)) for names in zip(*along, strict=False)]
+    style = {"marker": ".", "linestyle": "" if "draw" in longest else "-"}
+    if len(longest) == 2:
+        panels, style = panels[:1], {}
     shown = [
         name
         for name in sweep.keep
-        if not {"radius", "ring", "state"} & {*dataset[name].dims}
-        and dims
-        and dataset[name].notnull().any()
+        if not {"radius", "ring", "state"} & {*dataset[name].dims} and dataset[name].notnull().any()
     ][:MOST_QUANTITIES]
-    kinds = {"time": "time"}
-    kinds |= {column.name: kind_of(key, Scene) for key, column in numerical.items()}
+    kinds["time"] = "time"
     with in_style():
         rows, columns = max(len(shown), 1), max(len(panels), 1)
         figure = Figure((5.0 * columns, 0.6 + 3.4 * rows), layout="constrained")
         for number, (name, places) in enumerate(product(shown, panels), 1):
             values = dataset[name].dropna("solver", how="all")
-            values = values.isel({dim: -(dim == "time") for dim in values.dims if dim not in dims})
+            values = values.isel(
+                {dim: -(dim == "time") for dim in values.dims if dim not in longest}
+            )
             values = values.sortby([*places.values()])
             coordinates = {
                 key: readable(array, kinds[key], sweep) if key in kinds else array.drop_attrs()
@@ -63,7 +61,7 @@ def draw(dataset: xarray.Dataset, sweep: Sweep, file: Path) -> None:
                 if 0 < LOGARITHMIC * values[key].min() < values[key].max():
                     options[f"{which}scale"] = "log"
             values.plot(ax=figure.add_subplot(rows, columns, number), **options)
-        if not shown:
+        if not (shown and panels):
             figure.text(0.1, 0.5, "no kept quantity is a number over a numerical key")
         figure.savefig(file)
 

@@ -1,10 +1,12 @@
-"""Results of a sweep: a dataset in memory, or a store on disk that survives interruptions."""
+"""Results of a sweep: their empty dataset, in memory or as a store that survives interruptions."""
 
 import json
 import os
 import shutil
 import warnings
 from importlib.util import find_spec
+from itertools import product
+from math import prod
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -12,11 +14,111 @@ import numpy as np
 import xarray
 
 from ...meshes import Array, SceneError
+from ..crosscheck import (
+    NO_UNIT,
+    Scene,
+    Solution,
+    UnitNames,
+    code,
+    error_name,
+    kind_of,
+    package_versions,
+    tabulate,
+)
+from ..tables.writing import json_text
 from .axes import Sweep
-from .template import DONE, FAILED, PENDING, block_sizes, identity, one_scene, regions, template
 
 # first part of the name of a folder beside the store, in which an empty store is made
 HIDDEN = ".ringwear_sweep_"
+# status of a scene
+PENDING, DONE, FAILED = 0, 1, 2
+
+# beginnings of keys in which scenes of a flat punch may differ and still share a discretisation
+SHARED_KEYS = (
+    *("punch.wear", "punch.radius", "half_space.plane", "half_space.youngs"),
+    *("load.", "wear.", "output.", "title"),
+)
+
+
+def template(sweep: Sweep) -> xarray.Dataset:
+    """Return an empty dataset for the results of all scenes; its arrays are views without memory.
+
+    Its variables are those of one run. The dimensions are those of the sweep, followed by `solver`
+    and the dimensions of each quantity.
+    """
+    first, varied = sweep.first, {key: column.values for key, column in sweep.columns.items()}
+    no_results = Solution({}, {}, {}, {})
+    run = tabulate(first, dict.fromkeys(first.methods, no_results)).dataset
+    names = first.unit_names
+    if "units" in varied:
+        # numbers of several units have none
+        names = UnitNames()
+        for variable in run.variables.values():
+            variable.attrs["units"] = NO_UNIT
+    rings = map(len, varied.get("punch.ring_edges", []))
+    count = max([run.sizes["ring"], *varied.get("punch.rings", []), *rings])
+    kept = [each for name in sweep.keep for each in (name, error_name(name)) if each in run]
+    dataset = run.reset_coords(drop=True).reindex(ring=np.arange(1, count + 1))[kept]
+    if run.sizes["solver"] > 1:
+        definition = "greatest difference over its uncertainty; methods disagree if it is above 1"
+        dataset["disagreement"] = (), np.nan, described(definition)
+    reason = np.array("", dtype=object)
+    dataset["reason"] = (), reason, described("reason why the scene failed")
+    status = described("0: pending, 1: done, 2: failed")
+    dataset["status"] = (), np.uint8(PENDING), status
+    dataset = dataset.expand_dims(sweep.sizes)
+    for key, (name, dim, values) in [*sweep.shared.items(), *sweep.columns.items()]:
+        numbers = all(isinstance(value, int | float) for value in values)
+        array = np.array(values if numbers else [*map(str, values)], None if numbers else object)
+        label = {"long_name": key, "units": names.name(kind_of(key, Scene))}
+        dataset = dataset.assign_coords({name: (dim, array, label)})
+    # these tell the results of sweeps apart
+    versions = {"versions": json_text(package_versions()), "code": code()}
+    identity = {"sweep": json_text(sweep.table)} | versions
+    # drop coordinates that no variable has
+    return dataset[[*dataset.data_vars]].drop_attrs(deep=False).assign_attrs(identity)
+
+
+def described(definition: str) -> dict[str, str]:
+    """Return the attributes of a variable without a unit."""
+    return {"long_name": definition, "units": NO_UNIT}
+
+
+def block_sizes(sweep: Sweep, blank: xarray.Dataset) -> dict[str, int]:
+    """Return the size of a block along each dimension of the sweep, in scenes.
+
+    The scenes of a block are computed, written and read together. A block contains scenes of one
+    geometry, up to a limit, because they share a discretisation. If one geometry has few scenes, or
+    if punches are shaped, a block contains several geometries. Blocks of large sweeps are larger.
+    """
+    shared = SHARED_KEYS if sweep.first.problem.full_contact else ()
+    scale = min(max(sweep.count // 8192, 1), 64)
+    # scenes whose results take 128 MiB
+    most_in_memory = 2**27 * sweep.count // blank.nbytes
+    separate_dims = {
+        column.dim for key, column in sweep.columns.items() if not key.startswith(shared)
+    }
+    block: dict[str, int] = {}
+    # dimensions of scenes that share a discretisation come first; within both groups the last
+    # dimension comes first, because its scenes are neighbours in the store
+    last_first = list(sweep.sizes)[::-1]
+    for dim in sorted(last_first, key=separate_dims.__contains__):
+        greatest_size = min((8 if dim in separate_dims else 64) * scale, most_in_memory)
+        block[dim] = max(1, min(greatest_size // prod(block.values()), sweep.sizes[dim]))
+    return {dim: block[dim] for dim in sweep.sizes}
+
+
+def unsolved(blank: xarray.Dataset, *sizes: int) -> dict[str, Array]:
+    """Return the values of a block of these sizes before it is computed, from those of a scene."""
+    return {
+        str(name): np.broadcast_to(variable.values, (*sizes, *variable.shape)).copy()
+        for name, variable in blank.data_vars.items()
+    }
+
+
+def one_scene(sweep: Sweep, blank: xarray.Dataset) -> xarray.Dataset:
+    """Return the empty results of one scene from those of all scenes."""
+    return blank.isel(dict.fromkeys(sweep.sizes, 0), drop=True)
 
 
 class InMemory:
@@ -32,10 +134,15 @@ class InMemory:
     """
 
     def __init__(self, sweep: Sweep) -> None:
-        empty = template(sweep).assign_attrs(identity(sweep))
+        empty = template(sweep)
         self.blank = one_scene(sweep, empty)
         self._sweep, self._block = sweep, block_sizes(sweep, empty)
-        self._regions = regions(sweep, self._block)
+        parts = [
+            [slice(start, start + self._block[dim]) for start in range(0, size, self._block[dim])]
+            for dim, size in sweep.sizes.items()
+        ]
+        # the slice of each dimension that each block covers
+        self._regions = [dict(zip(sweep.sizes, box, strict=True)) for box in product(*parts)]
         self._open(empty)
 
     def _open(self, empty: xarray.Dataset) -> None:

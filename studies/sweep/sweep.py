@@ -26,8 +26,7 @@ from ..crosscheck import (
 from .axes import Sweep
 from .blocks import compute_blocks
 from .compute import compute_block
-from .results import InMemory, Store
-from .template import DONE, FAILED, PENDING, one_scene, template
+from .results import DONE, FAILED, PENDING, InMemory, Store, one_scene, template
 
 # greatest number of different reasons that are printed
 MOST_REASONS = 10
@@ -96,7 +95,17 @@ def sweep(
     >>> rates = sweep("five_rings", random=designs, keep="steady_wear_rate", methods="direct")
     >>> best = rates.steady_wear_rate.squeeze("solver").to_series().nlargest(5)
     """
-    plan = planned(scene, axes, keep, zip, random, methods)
+    kept, chosen = (None if names is None else listed(names) for names in (keep, methods))
+    if axes is None and zip is None and random is None and isinstance(scene, str | Path):
+        plan = Sweep.load(scene, chosen, kept)
+    else:
+        base = _table_of(scene) if isinstance(scene, Scene) else scene
+        tables = {"axes": axes, "zip": zip, "random": random}
+        table: TomlTable = {
+            name: _by_key(each) for name, each in tables.items() if each is not None
+        }
+        table["base"] = str(base) if isinstance(base, Path) else base
+        plan = Sweep.of(table if kept is None else table | {"keep": kept}, methods=chosen)
     processes = executor is not None or (isinstance(workers, int) and workers > 1)
     if plan.heights and (store is not None or processes):
         raise SceneError(
@@ -155,40 +164,8 @@ def estimate(plan: Sweep, workers: int | None) -> list[str]:
     ]
 
 
-def planned(
-    scene: Scene | str | Path | Mapping[str, object],
-    axes: Mapping[str, object] | None = None,
-    keep: Sequence[str] | str | None = None,
-    zip: Mapping[str, object] | None = None,
-    random: Mapping[str, object] | None = None,
-    methods: Sequence[str] | str | None = None,
-) -> Sweep:
-    """Return the scenes of a sweep; the arguments are those of `sweep`.
-
-    Raises
-    ------
-    SceneError
-        if the axes or the base scene are invalid
-    """
-    chosen = None if methods is None else listed(methods)
-    if axes is None and zip is None and random is None and isinstance(scene, str | Path):
-        return Sweep.load(scene, chosen, None if keep is None else listed(keep))
-    base = _table_of(scene) if isinstance(scene, Scene) else scene
-    table = {
-        "base": str(base) if isinstance(base, Path) else base,
-        "keep": None if keep is None else listed(keep),
-        "axes": _by_key(axes),
-        "zip": _by_key(zip),
-        "random": _by_key(random),
-    }
-    given = {name: value for name, value in table.items() if value is not None}
-    return Sweep.of(given, methods=chosen)
-
-
-def _by_key(axes: Mapping[str, object] | None) -> TomlTable | None:
+def _by_key(axes: Mapping[str, object]) -> TomlTable:
     """Return axes in the form of sweep files: scene keys with dots, and lists of values."""
-    if axes is None:
-        return None
     if not isinstance(axes, Mapping):
         raise SceneError(f"axes = {shown(axes)}: write sweep(scene, {{'punch.rings': [2, 4, 8]}})")
     return {dotted(key): _as_list(values) for key, values in axes.items()}

@@ -81,11 +81,14 @@ UNIT = re.compile(r"^(?P<name>[^\[(/]+?)[_\s]*(?:\[(?P<a>.*)\]|\((?P<b>.*)\)|/\s
 """A heading with a unit in brackets, in parentheses or after a slash."""
 BRACKETS = re.compile(r"\s*[\[(][^\[(]*[\])]$")
 """A unit at the end of a heading."""
+UNITS = (
+    *("um", "µm", "μm", "nm", "mm", "cm", "Pa", "kPa", "MPa", "GPa", "psi", "kN", "ms", "mg", "kg"),
+    *("N/mm^2", "N/mm2", "N/m^2", "mm3", "mm^3"),
+)
+"""Units that programs write in capitals, too."""
 SPELLINGS = {
     **dict.fromkeys(("micron", "microns", "micrometer", "micrometers", "micrometre"), "um"),
-    **{unit.lower(): unit for unit in ("um", "µm", "μm", "nm", "mm", "cm", "Pa", "kPa", "MPa")},
-    **{unit.lower(): unit for unit in ("GPa", "psi", "kN", "ms", "N/mm^2", "N/mm2", "N/m^2")},
-    **{unit.lower(): unit for unit in ("mm3", "mm^3", "mg", "kg")},
+    **{unit.lower(): unit for unit in UNITS},
     **dict.fromkeys(("sec", "secs", "second", "seconds"), "s"),
 }
 """Units that a heading may end with, by their names in lower case."""

@@ -77,7 +77,7 @@ def read_scan(path: Path, center: bool = False, level: bool = False) -> Scan:
         notes.append(
             f"{columns[-1]} is read as the depth of missing material, not as a height below 0"
         )
-    known = rows.replace([np.inf, -np.inf], np.nan).dropna().astype(float)
+    known = rows[np.isfinite(rows).all(axis=1)]
     if len(known) < len(rows):
         notes.append(f"{len(rows) - len(known)} of {len(rows)} values left out: no numbers")
     if len(known) < 2:

@@ -24,7 +24,7 @@ from groups import nightly
 
 from ringwear import RingwearError, Scene, SceneError, __version__, sweep
 from ringwear.studies.crosscheck.versions import code
-from ringwear.studies.sweep import blocks, compute, results, template
+from ringwear.studies.sweep import blocks, compute, results
 from ringwear.studies.sweep.axes import Sweep
 from ringwear.studies.sweep.compute import compute_block
 from ringwear.studies.sweep.results import HIDDEN, Store
@@ -265,7 +265,7 @@ def test_a_store_of_other_versions_or_code_is_refused(tmp_path, undisturbed, mon
     shutil.copytree(undisturbed, tmp_path, dirs_exist_ok=True)
     names = {"versions": ("package_versions", other), "code": ("code", "of another edit")}
     name, value = names[changed]
-    monkeypatch.setattr(template, name, lambda: value)
+    monkeypatch.setattr(results, name, lambda: value)
     with pytest.raises(
         SceneError, match="begun with another sweep file, other code of ringwear or other libraries"
     ):

@@ -6,7 +6,7 @@ accurate only if the meshes of a sequence are similar. All lengths are in punch 
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -55,10 +55,11 @@ class Base(NamedTuple):
     truncation: float
 
 
-GRADED, GRADED_FOR_QUADS = Base(1e-8, 1e-4, 0.7, 20.0), Base(1e-8, 1e-4, 1.0, 20.0)
-EVEN = Base(1.2, 1.2, 0.0, 5.0)
-"""Base meshes of any punch."""
-GRADED_TO_RIM, EVEN_UNDER_ONE_RING = Base(4e-9, 4e-9, 0.7, 1e4), Base(0.35, 0.35, 0.0, 4.0)
+EVEN = dict.fromkeys((False, True), Base(1.2, 1.2, 0.0, 5.0))
+GRADED = {False: Base(1e-8, 1e-4, 0.7, 20.0), True: Base(1e-8, 1e-4, 1.0, 20.0)}
+"""Base meshes of any punch, by whether they become quadrilaterals."""
+EVEN_UNDER_ONE_RING = {False: Base(0.35, 0.35, 0.0, 4.0)}
+GRADED_TO_RIM = {False: Base(4e-9, 4e-9, 0.7, 1e4)}
 """Base meshes of one ring, on which orders are the most regular."""
 SMALLEST_LAYER = 1e-7
 """Size of the smallest layer of quadrilaterals; in smaller ones gradients are roundoff."""
@@ -104,7 +105,6 @@ def on_mesh(
     degree: int,
     poles: tuple[int, ...],
     element: Element | None = None,
-    with_indicators: bool = False,
 ) -> Solution:
     """Return the solution by finite elements of one degree on a mesh.
 
@@ -115,17 +115,18 @@ def on_mesh(
     degree : polynomial degree of the displacement along a side
     poles : orders of the poles of the far field
     element : element of scikit-fem or of the user; by default the Lagrange element of the degree
-    with_indicators : whether to compute the error indicators, on triangles
     """
     solid = AxisymmetricElasticity(mesh, degree, problem.ground, element)
     space = pressure_space(solid, problem.merged.ring_edges)
-    return solved(problem, HalfSpace(solid, space, poles), with_indicators)
+    half_space = HalfSpace(solid, space, poles)
+    return wear_on(problem, half_space.compliance(), half_space)
 
 
-def solved(problem: Problem, half_space: HalfSpace, with_indicators: bool = False) -> Solution:
-    """Return the solution on a half-space, with the error indicators of its triangles if wanted."""
-    solution = wear_on(problem, half_space.compliance(), half_space.unknowns, half_space)
-    if not with_indicators or not isinstance(half_space.solid.mesh, MeshTri):
+def indicated(problem: Problem, solution: Solution) -> Solution:
+    """Return a solution with the error indicators of its triangles, if it has triangles."""
+    half_space = solution.half_space
+    assert half_space is not None
+    if not isinstance(half_space.solid.mesh, MeshTri):
         return solution
     pressures = states(problem, solution)
     assert solution.wear is not None
@@ -147,71 +148,55 @@ def kind(degree: int, quads: bool) -> str:
     return f"{'Q' if quads else 'P'}{degree}"
 
 
-@lru_cache(maxsize=8)
-def uniform_base(edges: tuple[float, ...], base: Base) -> Mesh:
-    """Return triangles of one size, which are smaller only where a ring edge has to be a vertex."""
-    size = base.rim_size
-    return bisection.mesh(SizeField(edges, size, size, 0.0, base.truncation, size))
+@lru_cache(maxsize=16)
+def base_mesh(edges: tuple[float, ...], base: Base, quads: bool) -> Mesh:
+    """Return triangles of one size, or triangles graded to the rim and to every ring edge.
 
-
-@lru_cache(maxsize=8)
-def graded_base(edges: tuple[float, ...], base: Base, quads: bool) -> Mesh:
-    """Return triangles graded to the rim and to every ring edge.
-
-    Triangles that are to be divided into quadrilaterals are made by bisection: they are
-    right-angled, so that the quadrilaterals are convex.
+    Those of one size are smaller only where a ring edge has to be a vertex. Graded triangles that
+    are to be divided into quadrilaterals are made by bisection: they are right-angled, so that the
+    quadrilaterals are convex.
     """
     rim, ring, growth, radius = base
-    field = SizeField(edges, rim, ring, growth, truncation=radius, centre_size=radius)
-    return bisection.mesh(field) if quads else triangulated(field)
+    field = SizeField(edges, rim, ring, growth, radius, radius if growth else rim)
+    return triangulated(field) if growth and not quads else bisection.mesh(field)
 
 
-def uniform(
+def subdivisions(
+    base: Base,
     degree: int,
-    halvings: Sequence[int],
+    levels: Sequence[int],
     quads: bool = False,
     element: Element | None = None,
     name: str = "",
-    base: Base = EVEN,
 ) -> Way:
-    """Return the way through uniform meshes, halved from level to level."""
+    """Return the way through subdivisions of a base mesh.
 
-    def solve(problem: Problem, level: int, _: Solution | None) -> Solution:
+    Parameters
+    ----------
+    base : meshes of one size are halved, a level is the number of halvings; if the base is graded,
+        it is the number of parts of each side
+    degree : polynomial degree of the displacement
+    levels : levels from coarse to fine
+    quads : whether the elements are quadrilaterals
+    element, name : element of scikit-fem or of the user, in place of the Lagrange element
+    """
+    graded = base.growth > 0
+
+    def solve(problem: Problem, level: int) -> Solution:
         edges = problem.merged.ring_edges
-        coarse = uniform_base(tuple(edges.tolist()), base)
-        mesh = subdivided(coarse, 2**level, edges, quads, log_polar=False)
+        coarse = base_mesh(tuple(edges.tolist()), base, quads)
+        mesh = subdivided(coarse, level if graded else 2**level, edges, quads, log_polar=graded)
         return on_mesh(problem, mesh, degree, POLES, element)
 
-    def size(level: int) -> float:
-        return 0.5**level
-
-    label = f"{name or kind(degree, quads)}, uniform"
-    return Way(label, "fem", halvings, solve, HALVED, size, theories.for_uniform_meshes)
-
-
-def graded_to_edges(
-    degree: int,
-    parts: Sequence[int],
-    quads: bool = False,
-    element: Element | None = None,
-    name: str = "",
-    base: Base | None = None,
-) -> Way:
-    """Return the way through subdivisions of a mesh that is graded to every edge."""
-    base = base or (GRADED_FOR_QUADS if quads else GRADED)
-
-    def solve(problem: Problem, level: int, _: Solution | None) -> Solution:
-        edges = problem.merged.ring_edges
-        mesh = subdivided(graded_base(tuple(edges.tolist()), base, quads), level, edges, quads)
-        return on_mesh(problem, mesh, degree, POLES, element)
-
+    label = f"{name or kind(degree, quads)}, {'graded' if graded else 'uniform'}"
+    if not graded:
+        sizes = HALVED, lambda level: 0.5**level
+        return Way(label, "fem", levels, solve, *sizes, theories.FOR_UNIFORM_MESHES)
     floor = FLOOR_OVER_RIM_SIZE * base.rim_size
-    theory = partial(theories.for_graded_elements, degree, floor, HISTORY_FLOOR)
-    label = f"{name or kind(degree, quads)}, graded"
-    return Way(
-        *(label, "fem", parts, solve, PARTED, inverse),
-        theory=partial(without_order, theories.OWN_ELEMENT) if element else theory,
-    )
+    theory = theories.for_graded_elements(degree, floor, HISTORY_FLOOR)
+    if element:
+        theory = without_order(theories.OWN_ELEMENT)
+    return Way(label, "fem", levels, solve, PARTED, inverse, theory)
 
 
 def layered(degrees: Sequence[int], rings: int) -> Way:
@@ -226,7 +211,7 @@ def layered(degrees: Sequence[int], rings: int) -> Way:
     rings : number of rings of the punch
     """
 
-    def solve(problem: Problem, level: int, _: Solution | None) -> Solution:
+    def solve(problem: Problem, level: int) -> Solution:
         edges = problem.merged.ring_edges
         smallest = max(0.1 ** (level + 1), SMALLEST_LAYER if rings > 1 else 0.0)
         mesh = graded(edges, smallest, smallest, QUAD_GRADING, GROWTH, outer=2.5).mesh
@@ -235,7 +220,7 @@ def layered(degrees: Sequence[int], rings: int) -> Way:
     def size(level: int) -> float:
         return 0.1**level
 
-    theory = partial(theories.for_layers, DIGITS_PER_DEGREE if rings == 1 else np.nan)
+    theory = theories.for_layers(DIGITS_PER_DEGREE if rings == 1 else np.nan)
     name = "quadrilaterals in layers"
     return Way(name, "fem", degrees, solve, RAISED, size, theory)
 
@@ -250,12 +235,13 @@ def by_tolerance(name: str, tolerances: Sequence[float], settings: Mapping[str, 
     settings : keys of accuracy.fem, such as the mesher; a degree of None is that for triangles
     """
 
-    def solve(problem: Problem, level: float, _: Solution | None) -> Solution:
+    def solve(problem: Problem, level: float) -> Solution:
         chosen = dict(settings)
         if "degree" in chosen:
             chosen["degree"] = chosen["degree"] or triangle_degree(problem)
         at_level = replace(problem, rtol=level, fem=FemAccuracy.model_validate(chosen))
-        return solved(problem, half_space_on(at_level, fem_sizes(at_level)))
+        half_space = half_space_on(at_level, fem_sizes(at_level))
+        return wear_on(problem, half_space.compliance(), half_space)
 
     return Way(name, "fem", tolerances, solve, COUNTED, largest=0.0)
 
@@ -263,7 +249,7 @@ def by_tolerance(name: str, tolerances: Sequence[float], settings: Mapping[str, 
 def raised_degree(degrees: Sequence[int], rtol: float) -> Way:
     """Return the way through rising degrees on the one mesh that ringwear makes for a tolerance."""
 
-    def solve(problem: Problem, level: int, _: Solution | None) -> Solution:
+    def solve(problem: Problem, level: int) -> Solution:
         settings = FemAccuracy.model_validate({"mesher": "quads"})
         at_rtol = replace(problem, rtol=rtol, fem=settings)
         mesh = fem_sizes(at_rtol).mesh
@@ -287,7 +273,7 @@ def coarsest(problem: Problem) -> MeshTri:
 def halved(halvings: Sequence[int]) -> Way:
     """Return the way through triangles that are all divided into four."""
 
-    def solve(problem: Problem, level: int, _: Solution | None) -> Solution:
+    def solve(problem: Problem, level: int) -> Solution:
         mesh = coarsest(problem)
         for _halving in range(level):
             mesh = bisection.refined(mesh, np.arange(mesh.nelements), problem.merged.ring_edges)
@@ -310,9 +296,9 @@ def adaptive(levels: Sequence[int]) -> Way:
             before = previous.half_space.solid.mesh
             mesh = bisection.refined(before, marked, problem.merged.ring_edges)
         poles, degree = poles_without_error(problem, mesh), triangle_degree(problem)
-        return on_mesh(problem, mesh, degree, poles, with_indicators=True)
+        return indicated(problem, on_mesh(problem, mesh, degree, poles))
 
-    theory = theories.for_adaptive_meshes
+    theory = theories.FOR_ADAPTIVE_MESHES
     return Way("adaptive triangles", "fem", levels, solve, COUNTED, None, theory, sequential=True)
 
 
@@ -358,13 +344,13 @@ def own_meshes(
     """
     levels = [OwnMesh(name, mesh) for name, mesh in meshes.items()]
 
-    def solve(problem: Problem, level: OwnMesh, _: Solution | None) -> Solution:
+    def solve(problem: Problem, level: OwnMesh) -> Solution:
         poles = pole_orders(problem, truncation(level.mesh))
         chosen = degree or degree_on(problem, level.mesh)
-        return on_mesh(problem, level.mesh, chosen, poles, element, with_indicators=element is None)
+        solution = on_mesh(problem, level.mesh, chosen, poles, element)
+        return solution if element else indicated(problem, solution)
 
-    theory = partial(without_order, theories.OWN_MESH)
-    return Way(name, "fem", levels, solve, COUNTED, None, theory)
+    return Way(name, "fem", levels, solve, COUNTED, theory=without_order(theories.OWN_MESH))
 
 
 def degree_on(problem: Problem, mesh: Mesh) -> int:

@@ -7,8 +7,8 @@ computed in the nodes, by explicit Euler with one fixed step. The mesh is not gr
 no error is estimated.
 """
 
-from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,43 +30,34 @@ HIGHEST_POISSON_RATIO = 0.4999999999
 """Poisson's ratio that replaces 1/2, for which Lame's first constant is infinite."""
 
 
-@dataclass(frozen=True, eq=False)
-class Face:
+class Face(NamedTuple):
     """The face of the punch on a uniform mesh, with the half-space condensed to its nodes.
 
     Parameters
     ----------
+    basis : quadratic basis functions of the radius, with one element for each facet of the face
+    order : (n,) indices of the basis functions, sorted by the radius of their nodes
     stiffness : (n, n) vertical reactions of the nodes per vertical displacement of each node
-    mesh : mesh of the radius, with one element for each facet of the face
+    pressure_per_height : (n, n) pressures of the nodes per vertical displacement of each node
     """
 
+    basis: Basis
+    order: NDArray[np.int64]
     stiffness: Array
-    mesh: MeshLine
+    pressure_per_height: Array
 
-    @cached_property
-    def basis(self) -> Basis:
-        """Quadratic basis functions of the radius."""
-        return Basis(self.mesh, ElementLineP2())
-
-    @cached_property
-    def order(self) -> NDArray[np.int64]:
-        """(n,) indices of the basis functions, sorted by the radius of their nodes."""
-        return np.argsort(self.basis.doflocs[0])
-
-    @cached_property
-    def pressure_per_height(self) -> Array:
-        """(n, n) pressures of the nodes per vertical displacement of each node."""
-        mass = asm(BilinearForm(lambda u, v, w: 2 * np.pi * w.x[0] * u * v), self.basis)
-        return np.linalg.solve(mass.toarray()[np.ix_(self.order, self.order)], self.stiffness)
+    @property
+    def radii(self) -> Array:
+        """(n,) radii of the nodes."""
+        return self.basis.doflocs[0][self.order]
 
     def wear_coefficients(self, problem: Problem) -> Array:
         """Return the wear coefficients (n,) in the nodes."""
-        radii = self.basis.doflocs[0][self.order]
-        return problem.merged.at(np.clip(radii, problem.inner_radius, 1.0))
+        return problem.merged.at(np.clip(self.radii, problem.inner_radius, 1.0))
 
     def values_at(self, radii: Array, nodal: Array) -> Array:
         """Return the values (T, R) of functions at radii (R,) from their nodal values (T, n)."""
-        inside = np.clip(radii, *self.mesh.p[0, [0, -1]])
+        inside = np.clip(radii, *self.radii[[0, -1]])
         return np.asarray(self.basis.probes(inside[None]).tocsc()[:, self.order] @ nodal.T).T
 
 
@@ -102,7 +93,11 @@ def press(inner_radius: float, poisson_ratio: float, outer: float, cells: int) -
     ground = Ground.half_space(min(poisson_ratio, HIGHEST_POISSON_RATIO))
     solid = AxisymmetricElasticity(mesh, 2, ground, ElementTriP2(), HIGHEST_POISSON_RATIO)
     half_space = HalfSpace(solid, pressure_space(solid, edges), poles=())
-    return Face(half_space.contact_stiffness(), MeshLine(face))
+    stiffness, basis = half_space.contact_stiffness(), Basis(MeshLine(face), ElementLineP2())
+    order = np.argsort(basis.doflocs[0])
+    mass = asm(BilinearForm(lambda u, v, w: 2 * np.pi * w.x[0] * u * v), basis)
+    pressures = np.linalg.solve(mass.toarray()[np.ix_(order, order)], stiffness)
+    return Face(basis, order, stiffness, pressures)
 
 
 def solve(
@@ -121,7 +116,7 @@ def solve(
     """
     face = press(problem.inner_radius, problem.poisson_ratio, outer, cells)
     wear, loading, profile = face.wear_coefficients(problem), problem.loading, problem.profile
-    heights = profile(face.basis.doflocs[0][face.order]) + profile.standoff
+    heights = profile(face.radii) + profile.standoff
     pressure_per_depth = face.pressure_per_height.sum(axis=1)
     force_per_height = face.stiffness.sum(axis=0)
 

@@ -8,7 +8,6 @@ at nodes and a contact edge inside an element makes them inaccurate.
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -62,13 +61,13 @@ def on_radii(problem: Problem, method: str, breakpoints: Array, degree: int) -> 
 def uniform_radii(method: str, degree: int, counts: Sequence[int]) -> Way:
     """Return the way through equal cells on each ring."""
 
-    def solve(problem: Problem, level: int, _: Solution | None) -> Solution:
+    def solve(problem: Problem, level: int) -> Solution:
         edges = problem.merged.ring_edges
         inside = (edges[:-1, None] + np.diff(edges)[:, None] * np.arange(level) / level).ravel()
         return on_radii(problem, method, np.append(inside, 1.0), degree)
 
     name = f"{method.upper()} degree {degree}, uniform"
-    return Way(name, method, counts, solve, COUNTED, inverse, theories.for_uniform_meshes)
+    return Way(name, method, counts, solve, COUNTED, inverse, theories.FOR_UNIFORM_MESHES)
 
 
 def graded_radii(method: str, degree: int, gradings: Sequence[float]) -> Way:
@@ -78,7 +77,7 @@ def graded_radii(method: str, degree: int, gradings: Sequence[float]) -> Way:
     square root of the ratio (Bernstein ellipse); this is the size of a level.
     """
 
-    def solve(problem: Problem, level: float, _: Solution | None) -> Solution:
+    def solve(problem: Problem, level: float) -> Solution:
         edges = problem.merged.ring_edges
         sizes = np.append(np.full(np.count_nonzero(edges) - 1, RING_SIZE), RIM_SIZE)
         radii, _low_parts = graded_breakpoints(edges, sizes, level)
@@ -87,7 +86,7 @@ def graded_radii(method: str, degree: int, gradings: Sequence[float]) -> Way:
     def size(level: float) -> float:
         return float((1 - level**0.5) / (1 + level**0.5))
 
-    theory = partial(theories.for_graded_pressures, degree)
+    theory = theories.for_graded_pressures(degree)
     return Way(
         f"{method.upper()} degree {degree}, graded", method, gradings, solve, RATE, size, theory
     )
@@ -103,16 +102,16 @@ def cells(method: str, factors: Sequence[float], degree: int = 0, quads: bool = 
     degree, quads : of the finite elements
     """
 
-    def solve(problem: Problem, level: float, _: Solution | None) -> Solution:
+    def solve(problem: Problem, level: float) -> Solution:
         # the same object for all levels, which share the search for the first contact
         problem = with_rtol(problem, CELLS_RTOL)
         at_level = scaled_cells(problem, level)
         if method != "fem":
             return wear_on(problem, compliance_on(method, at_level.space(), problem))
         half_space = elements_on(problem, at_level, level, degree, quads)
-        return wear_on(problem, half_space.compliance(), half_space.unknowns, half_space)
+        return wear_on(problem, half_space.compliance(), half_space)
 
-    theory = partial(without_order, theories.MOVING_EDGES)
+    theory = without_order(theories.MOVING_EDGES)
     name = f"{'Q' if quads else 'P'}{degree} below cells" if method == "fem" else method.upper()
     return Way(name, method, factors, solve, SCALED, inverse, theory)
 

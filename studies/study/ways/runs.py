@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache, partial
+from functools import lru_cache
 
 import numpy as np
 
@@ -64,7 +64,7 @@ def runs(
     changed : function of a problem and a level that returns the problem to solve
     """
 
-    def solve(problem: Problem, level: Level, _: Solution | None) -> Solution:
+    def solve(problem: Problem, level: Level) -> Solution:
         return solved_by(entry, changed(problem, level))
 
     return Way(name, entry.name, levels, solve, refined, size)
@@ -122,13 +122,13 @@ def steps(march: str, lengths: Sequence[float], case: Problem, rtol: float | Non
     rtol : tolerance of the space; None for the coarse one of explicit marches
     """
 
-    def solve(problem: Problem, level: float, _: Solution | None) -> Solution:
+    def solve(problem: Problem, level: float) -> Solution:
         marched = replace(problem, march=march, step=level)
         if rtol is None:
             return on_coarse_space(marched)
         return solved_by(method("mdr"), replace(marched, rtol=rtol))
 
-    theory = partial(theories.for_steps, why_no_order(case, lengths))
+    theory = theories.for_steps(why_no_order(case, lengths))
     name = f"{march} Euler" if rtol is None else f"MDR, {march} Euler"
     return Way(name, "mdr", lengths, solve, STEP, float, theory)
 
@@ -179,7 +179,7 @@ def naive_elements(sizes: Sequence[NaiveSizes]) -> Way:
     They compute the indentation and the pressure of a face whose nodes all stick to the punch.
     """
 
-    def solve(problem: Problem, level: NaiveSizes, _: Solution | None) -> Solution:
+    def solve(problem: Problem, level: NaiveSizes) -> Solution:
         if problem.ground.layered:
             raise SolverError("the naive finite elements have no layers: leave them out")
         naive.press.cache_clear()  # every run has to condense anew, as the first one does

@@ -64,10 +64,13 @@ def subdivided(
     """
     weight, cells = (_weights_of_quads if into_quads else _weights_of_triangles)(count)
     vertices, corners = mesh.p[0] + 1j * mesh.p[1], np.sort(mesh.t, axis=0).T[:, None]
+    plain = np.sum(weight * vertices[corners], axis=-1)
     if log_polar:
-        points = interpolate(vertices, corners, weight, ring_edges)
+        points = _in_log_polar(plain, vertices, corners, weight, ring_edges)
     else:
-        points = _interpolate_plainly(vertices, corners, weight)
+        points = _onto_arc(plain, vertices, corners, weight)
+    # vertices do not move
+    points = np.where(weight.max(axis=1) == 1, plain, points)
     unique, number = np.unique(points, return_inverse=True)
     fine = number.reshape(points.shape)[:, cells.T].reshape(-1, len(cells))
     kind = MeshQuad if into_quads else MeshTri
@@ -101,14 +104,19 @@ def _weights_of_quads(count: int) -> tuple[Array, Indices]:
     return unique / (6 * count**2), cells
 
 
-def interpolate(
-    vertices: Points, corners: Indices, weight: Array, ring_edges: Array = FLAT
+def _in_log_polar(
+    plain: Points, vertices: Points, corners: Indices, weight: Array, ring_edges: Array
 ) -> Points:
-    """Return points (m, l) in triangles with corners (m, 1, 3), by weights (l, 3).
+    """Return points (m, l) in triangles, moved from plain to log-polar coordinates.
 
     A point depends only on those corners whose weight is not zero.
+
+    Parameters
+    ----------
+    plain : (m, l) the points in plain coordinates
+    vertices, corners, weight : vertices, corners (m, 1, 3) of the triangles, and weights (l, 3)
+    ring_edges : as in `subdivided`
     """
-    plain = np.sum(weight * vertices[corners], axis=-1)
     points = plain.copy()
     to_axis = np.abs(vertices)
     centres = [(0.0, to_axis, to_axis > 1 + LOG_POLAR)]
@@ -124,20 +132,17 @@ def interpolate(
         log_polar_part = regular * np.sum(weight * within_reach[corners], axis=-1)
         log = np.log(np.where(distance > 0, vertices - centre, 1.0))
         points += log_polar_part * (centre + np.exp(np.sum(weight * log[corners], axis=-1)) - plain)
-    # points on the axis and on the surface have exact zeros, and vertices do not move
+    # points on the axis and on the surface have exact zeros
     points.real[plain.real == 0] = 0.0
     points.imag[plain.imag == 0] = 0.0
-    return np.where(weight.max(axis=1) == 1, plain, points)
+    return points
 
 
-def _interpolate_plainly(vertices: Points, corners: Indices, weight: Array) -> Points:
-    """Return points (m, l) in triangles with corners (m, 1, 3), by weights (l, 3).
+def _onto_arc(plain: Points, vertices: Points, corners: Indices, weight: Array) -> Points:
+    """Return points (m, l) in triangles; those between corners on the outer arc are moved onto it.
 
-    Points between two corners on the outer arc are moved onto the arc. A point depends only on
-    those corners whose weight is not zero.
+    The parameters are those of `_in_log_polar`.
     """
-    plain = np.sum(weight * vertices[corners], axis=-1)
     distance, outer = np.abs(vertices), np.abs(vertices).max()
     on_arc = ((distance[corners] > outer * (1 - 1e-12)) | (weight == 0)).all(axis=-1)
-    points = np.where(on_arc, plain * (outer / np.maximum(np.abs(plain), 1.0)), plain)
-    return np.where(weight.max(axis=1) == 1, plain, points)
+    return np.where(on_arc, plain * (outer / np.maximum(np.abs(plain), 1.0)), plain)

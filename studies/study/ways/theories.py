@@ -15,7 +15,7 @@ Sources:
 - Strang & Fix, An Analysis of the Finite Element Method (1973), chapter 8: singular functions.
 """
 
-from ..way import Theory
+from ..way import LATER, OTHERS, START, Part, Theories, Theory, without_order
 
 ROOT_AT_RIM = (
     "The displacement behaves like the square root of the distance from the rim (Grisvard 1985). "
@@ -89,23 +89,22 @@ STEP_WITH_CONTACT = (
 RIM_ELEMENT = "the innermost elements at the rim and at ring edges, which stay coarse"
 ROUNDOFF = "roundoff"
 """The causes of floors: errors that do not decrease with the size of the levels."""
-START = "indentation", "start"
-ENERGIES = (("indentation", "later"), ("running_in_time", "all"), ("relaxation_time", "all"))
-"""Quantities that are energies or eigenvalues, with their values of `when`."""
+FIRST_DEPTH, FIRST_PRESSURE = Part("indentation", START), Part("pressure", START)
+ENERGIES = Part("indentation", LATER), Part("running_in_time"), Part("relaxation_time")
+"""Quantities that are energies or eigenvalues."""
 
 
-def for_uniform_meshes(quantity: str, when: str) -> Theory:
-    """Return the theory of elements or cells of one size, which is the same for all degrees."""
-    if (quantity, when) == START:
-        return Theory(1.0, 0.0, ROOT_AT_RIM)
-    if (quantity, when) == ("pressure", "start"):
-        return Theory(0.5, 0.0, ROOT_OF_PRESSURE)
-    return Theory(reason=LOGARITHM)
+FOR_UNIFORM_MESHES: Theories = {
+    FIRST_DEPTH: Theory(1.0, 0.0, ROOT_AT_RIM),
+    FIRST_PRESSURE: Theory(0.5, 0.0, ROOT_OF_PRESSURE),
+    OTHERS: Theory(reason=LOGARITHM),
+}
+"""Theory of elements or cells of one size, which is the same for all degrees."""
+FOR_ADAPTIVE_MESHES: Theories = {Part("energy"): Theory(reason=BEST_ORDER)}
+"""Theory of adaptive triangles: the best order, but no number is compared."""
 
 
-def for_graded_elements(
-    degree: int, start_floor: float, floor: float, quantity: str, when: str
-) -> Theory:
+def for_graded_elements(degree: int, start_floor: float, floor: float) -> Theories:
     """Return the theory of finite elements on meshes graded to every edge.
 
     Parameters
@@ -113,60 +112,48 @@ def for_graded_elements(
     degree : polynomial degree of the displacement
     start_floor, floor : lowest relative errors at the start and of histories, due to the elements
         at the rim and at ring edges, which stay coarse
-    quantity, when : the quantity, at the start, later, or independent of time
     """
-    if (quantity, when) == START:
-        return Theory(2.0 * degree, start_floor, ENERGY_OF_ELEMENTS, RIM_ELEMENT)
-    if (quantity, when) in ENERGIES:
-        return Theory(2.0 * degree, floor, ENERGY_OF_ELEMENTS, RIM_ELEMENT)
-    return Theory(reason=OTHER_NORM)
+    start, later = (
+        Theory(2.0 * degree, each, ENERGY_OF_ELEMENTS, RIM_ELEMENT) for each in (start_floor, floor)
+    )
+    return dict.fromkeys(ENERGIES, later) | {FIRST_DEPTH: start} | without_order(OTHER_NORM)
 
 
-def for_graded_pressures(degree: int, quantity: str, when: str) -> Theory:
+def for_graded_pressures(degree: int) -> Theories:
     """Return the theory of MDR and boundary elements on graded cells, for a pressure degree.
 
     As the mesh is refined, the observed order of the start rises to 2 degree + 3 for even degrees
     and falls to it for odd ones: plane waves ``exp(ikx)`` at kh = 0.7 give the orders 5.34, 6.60,
     9.21 and 10.77 for degrees 1 to 4 (Fourier analysis).
     """
-    if (quantity, when) == START:
-        return Theory(2.0 * degree + 3, 1e-13, ENERGY_OF_PRESSURES, ROUNDOFF)
-    if (quantity, when) in ENERGIES:
-        return Theory(2.0 * degree + 2, 2e-10, HISTORY_OF_PRESSURES, RIM_ELEMENT)
-    if (quantity, when) == ("pressure", "later"):
-        return Theory(degree + 1.0, 1e-7, MEAN_SQUARE_OF_PRESSURES, RIM_ELEMENT)
-    if quantity == "steady_rms_slope" and degree == 1:
+    later = Theory(2.0 * degree + 2, 2e-10, HISTORY_OF_PRESSURES, RIM_ELEMENT)
+    theories = dict.fromkeys(ENERGIES, later) | {
+        FIRST_DEPTH: Theory(2.0 * degree + 3, 1e-13, ENERGY_OF_PRESSURES, ROUNDOFF),
+        Part("pressure", LATER): Theory(degree + 1.0, 1e-7, MEAN_SQUARE_OF_PRESSURES, RIM_ELEMENT),
+    }
+    if degree == 1:
         # higher degrees are at their floor after a few levels
-        return Theory(2.0 * degree, 1e-7, GRADIENT, RIM_ELEMENT)
-    return Theory(reason=OTHER_NORM)
+        theories[Part("steady_rms_slope")] = Theory(2.0, 1e-7, GRADIENT, RIM_ELEMENT)
+    return theories | without_order(OTHER_NORM)
 
 
-def for_layers(order: float, quantity: str, when: str) -> Theory:
+def for_layers(order: float) -> Theories:
     """Return the theory of a rising degree on geometric layers: digits gained with each degree.
 
     Parameters
     ----------
     order : digits of the start gained with each degree; NaN if ring edges reduce them
-    quantity, when : the quantity, at the start, later, or independent of time
     """
-    if (quantity, when) == START:
-        return Theory(order, 1e-13, ANALYTIC, ROUNDOFF)
-    return Theory(floor=1e-13, reason=LAYERS)
+    start = Theory(order, 1e-13, ANALYTIC, ROUNDOFF)
+    return {FIRST_DEPTH: start, OTHERS: Theory(floor=1e-13, reason=LAYERS)}
 
 
-def for_adaptive_meshes(quantity: str, _: str) -> Theory:
-    """Return the theory of adaptive triangles: the best order, but no number is compared."""
-    return Theory(reason=BEST_ORDER if quantity == "energy" else "")
-
-
-def for_steps(reason: str, _: str, when: str) -> Theory:
+def for_steps(reason: str) -> Theories:
     """Return the theory of Euler's methods.
 
     Parameters
     ----------
     reason : why histories have no order; empty if they have
-    when : at the start, later, or independent of time
     """
-    if when != "later":
-        return Theory(reason=NO_TIME)
-    return Theory(reason=reason) if reason else Theory(1.0, 0.0, STEP)
+    later = Theory(reason=reason) if reason else Theory(1.0, 0.0, STEP)
+    return {LATER: later} | without_order(NO_TIME)

@@ -20,7 +20,7 @@ from ....meshes import Compliance, Ground, SizeField, relative_stiffness
 from ....meshes.by_gmsh import graded, truncation_with_interfaces
 from ...crosscheck import Problem, Solution, press_flat
 from ..reference import Reference
-from ..way import Case, Theory, Way, inverse
+from ..way import OTHERS, Case, Theory, Way, inverse
 from .subdivision import FLAT, triangulated
 
 ORDERS = {"clamped": 1.0, "1 pole": 5.0, "2 poles": 9.0, "3 poles": 13.0}
@@ -58,7 +58,7 @@ def exact_disc(case: Case) -> Reference:
 def _outwards(poles: int, radii: Sequence[float], ground: Ground) -> Way:
     """Return the way through radii with a number of poles, or of loads on layers."""
 
-    def solve(problem: Problem, level: float, _: Solution | None) -> Solution:
+    def solve(problem: Problem, level: float) -> Solution:
         compliances, unknowns = condensed(level, problem.ground)
         depth = press_flat(compliances[poles]).indentation
         if not problem.ground.layered:
@@ -74,7 +74,7 @@ def _outwards(poles: int, radii: Sequence[float], ground: Ground) -> Way:
     theory = Theory(order, floor, REASON, cause)
     if ground.rigid:
         theory = theory._replace(order=np.nan, reason=RIGID)
-    return Way(name, "fem", tuple(radii), solve, "$a/R$", inverse, lambda *_: theory)
+    return Way(name, "fem", tuple(radii), solve, "$a/R$", inverse, {OTHERS: theory})
 
 
 @lru_cache(maxsize=16)

@@ -11,7 +11,7 @@ STEP_LENGTH = 0.6
 
 
 def wear_on(
-    problem: Problem, compliance: Compliance, unknowns: int = 0, half_space: HalfSpace | None = None
+    problem: Problem, compliance: Compliance, half_space: HalfSpace | None = None
 ) -> Solution:
     """Return the solution of a case on a compliance; it has no error estimates.
 
@@ -21,10 +21,9 @@ def wear_on(
     ----------
     problem : problem of the case
     compliance : compliance on a pressure space
-    unknowns : unknowns from which it is condensed; 0 if the pressures are the only unknowns
-    half_space : finite-element half-space, if there is one
+    half_space : finite-element half-space from which it is condensed, if there is one
     """
-    size = unknowns or compliance.space.size
+    size = half_space.unknowns if half_space else compliance.space.size
     if not problem.full_contact:
         moving = MovingContact(problem, compliance, step_length=STEP_LENGTH)
         return Solution(

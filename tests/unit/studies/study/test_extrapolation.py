@@ -11,7 +11,7 @@ from ringwear.studies.study.extrapolation import (
     order_of_errors,
     order_of_three,
 )
-from ringwear.studies.study.way import Part, Theory, Way
+from ringwear.studies.study.way import OTHERS, Part, Theory, Way
 
 SIZES = np.array([0.5, 0.3, 0.2, 0.1])
 
@@ -39,7 +39,7 @@ def test_the_interval_is_that_of_students_distribution():
 
 def levels_of(errors, theory, reference=0.0):
     """Return the observed order of a sequence as a study fits it."""
-    way = Way("h", "fem", range(4), None, "size", theory=lambda *_: theory)
+    way = Way("h", "fem", range(4), None, "size", theory={OTHERS: theory})
     table = pd.DataFrame({"size": SIZES, "error": errors, "unknowns": 1 / SIZES})
     constant = {"case": "scene", "way": "h", "quantity": "indentation", "when": "start"}
     table = table.assign(**constant, reference=reference, index=np.nan, limit=np.nan)

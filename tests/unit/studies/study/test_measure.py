@@ -12,7 +12,7 @@ from ringwear.studies.study.measure import measure
 from ringwear.studies.study.record import COLUMNS, Record
 from ringwear.studies.study.reference import Reference
 from ringwear.studies.study.study import remarks
-from ringwear.studies.study.way import Case, Theory, Way
+from ringwear.studies.study.way import OTHERS, Case, Theory, Way
 
 CASE = Case.of(Scene.load("flat_punch").changed(wear__times=[0.0, 0.1]))
 EXACT = {"time": np.array([0.0, 0.1]), "indentation": np.array([0.5, 0.6])}
@@ -30,8 +30,8 @@ def exact(_):
     return Reference(EXACT, lambda _: 0.0)
 
 
-def way(solve=lambda _, size, __: solution(size), levels=SIZES, **more):
-    return Way("h", "fem", levels, solve, "size", float, lambda *_: Theory(2.0), **more)
+def way(solve=lambda _, size: solution(size), levels=SIZES, **more):
+    return Way("h", "fem", levels, solve, "size", float, {OTHERS: Theory(2.0)}, **more)
 
 
 def measured(record, *ways, **more):
@@ -59,7 +59,7 @@ def test_a_level_has_a_row_for_each_quantity_and_time():
 
 @pytest.mark.parametrize("error", [SolverError("singular"), ZeroDivisionError("nothing")])
 def test_a_level_that_fails_is_a_row_and_ends_its_way(error):
-    def solve(_, size, __):
+    def solve(_, size):
         if size == 0.3:
             raise error
         return solution(size)
@@ -83,7 +83,7 @@ def test_a_resumed_study_keeps_rows_and_solves_the_others(tmp_path):
     text = "".join(lines[:7]) + lines[7][:20]
     solved = []
 
-    def solve(_, size, __):
+    def solve(_, size):
         solved.append(size)
         return solution(size)
 

@@ -62,7 +62,7 @@ def test_the_least_eigenvalue_is_the_least_ratio_of_energies_on_the_same_pressur
     case = case_of()
     mesh = bisection.mesh(SizeField(tuple(EDGES), 0.1, 0.1, 0.5, 4.0))
     (level,), way = own_meshes({"mine": mesh}, 3).levels, own_meshes({"mine": mesh}, 3)
-    solution = way.solve(case.problem, level, None)
+    solution = way.solve(case.problem, level)
     values = values_of(case, solution, (EIGENVALUE,))
     compliance = solution.wear.compliance
     ratios = eigh(compliance.matrix, energy.compliance(compliance.space).matrix, eigvals_only=True)

@@ -35,13 +35,14 @@ from ringwear.studies.study.ways.axis_stresses import (
     element_stresses,
 )
 from ringwear.studies.study.ways.finite_elements import (
+    EVEN,
+    GRADED,
     adaptive,
     coarsest,
-    graded_to_edges,
     halved,
     layered,
     poles_without_error,
-    uniform,
+    subdivisions,
 )
 from ringwear.studies.study.ways.radial import graded_radii, uniform_radii
 from ringwear.studies.study.ways.subdivision import subdivided
@@ -79,7 +80,7 @@ def fits_of(case, way, exact, *quantities):
         (uniform_radii("mdr", 1, (16, 32)), 0.02),
         (uniform_radii("mdr", 2, (16, 32)), 0.02),
         (uniform_radii("bem", 1, (16, 32)), 0.02),
-        (uniform(1, (1, 2), quads=True), 0.15),
+        (subdivisions(EVEN[True], 1, (1, 2), quads=True), 0.15),
     ],
     ids=lambda value: getattr(value, "name", ""),
 )
@@ -236,7 +237,7 @@ def test_stresses_on_the_axis_are_those_of_the_flat_punch(ratio):
 
 
 def test_stresses_of_elements_on_the_axis_converge_to_them():
-    half_space = graded_to_edges(4, (1,)).solve(ONE.problem, 1, None).half_space
+    half_space = subdivisions(GRADED[False], 4, (1,)).solve(ONE.problem, 1).half_space
     pressed = press_flat(half_space.compliance())
     stresses = element_stresses(half_space, pressed.pressure[None])[0]
     np.testing.assert_allclose(stresses, on_axis(0.3), atol=2e-3 / np.pi)
