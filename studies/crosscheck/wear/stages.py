@@ -54,14 +54,10 @@ class ContactStages:
         self.wear = space.mass(punch.wear_coefficients)
         # matrix of the norm of worn depths k H: their mean square over the face
         self._norm = space.mass(punch.wear_coefficients**2) / np.pi
-        wear, compliance = self.wear.tocoo(), punch.compliance.matrix
-
-        def contact(dt: float) -> Contact:
-            matrix = compliance.copy()
-            matrix[wear.row, wear.col] += dt * wear.data
-            return Contact(matrix, space.weights)
-
-        self._contact = lru_cache(maxsize=STORED_CONTACTS)(contact)
+        dense, matrix = self.wear.toarray(), punch.compliance.matrix
+        self._contact = lru_cache(maxsize=STORED_CONTACTS)(
+            lambda dt: Contact(matrix + dt * dense, space.weights)
+        )
 
     @cached_property
     def _slopes(self) -> csr_matrix:

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 # directly, because a march solves thousands of small systems, and the checks of `scipy.linalg` take
-# as long as a solution; `dpotrs`, for many right-hand sides, takes twice the time of `dtrsv` for one
-from scipy.linalg.blas import dtrsv
+# as long as a solution; LAPACK's `dpotrs` takes more than twice the time of two calls of `dtrsv`
+from scipy.linalg.blas import dsymv, dtrsv
 from scipy.linalg.lapack import dgetrf, dgetrs, dpotrf
 
 from ....meshes.errors import SolverError
@@ -227,10 +227,7 @@ class Contact:
                 (load.force + weights @ moments_solution) / (weights @ weights_solution)
             )
         pressure = indentation * weights_solution - moments_solution
-        # the span of the contact: all pressures outside it are zero
-        first, end = int(contact.argmax()), len(contact) - int(contact[::-1].argmax())
-        matrix = self.matrix[:, first:end]
-        gap = matrix @ pressure[first:end] + moments - indentation * weights
+        gap = self._deform(pressure) + moments - indentation * weights
         if not len(system.changed):
             return pressure, gap, indentation
         # NaN, from a singular Schur complement, is not within a tolerance
@@ -244,10 +241,14 @@ class Contact:
             correction = correction - indentation_change * weights_solution
             indentation = indentation + indentation_change
         pressure -= correction
-        gap = matrix @ pressure[first:end] + moments - indentation * weights
+        gap = self._deform(pressure) + moments - indentation * weights
         if not (np.abs(gap) <= MOST_GAP * scale)[contact].all():
             return self._solve_for_contact(moments, load, contact, refactorise=True)
         return pressure, gap, indentation
+
+    def _deform(self, pressure: Array) -> Array:
+        # a product that reads one triangle of the matrix takes two thirds of the time
+        return dsymv(1.0, self.matrix.T, pressure)
 
     def press(self, moments: Array, load: Load, start: Mask | None = None) -> ContactSolution:
         """Solve the contact problem under a load.
