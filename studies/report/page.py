@@ -63,8 +63,7 @@ def _draw(result: Result, pictures: Sequence["Picture"], directory: Path) -> lis
     try:
         failures = make(
             directory / INSIDE, lambda path: write_half_space(result.inside(), scene, path, series)
-        )
-        failures += draw(of_inside=True)
+        ) + draw(of_inside=True)
         if forks:
             process.join()
         # what could not be drawn is tried again here, where the reason is returned
