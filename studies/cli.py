@@ -39,7 +39,7 @@ def _status_of(arguments: list[str] | None) -> Status:
     """Conduct a command, and print the message of an error in one line."""
     # collect garbage less often: most objects live to the end of a command, and to search them
     # takes a tenth of a run
-    gc.set_threshold(50_000, 50, 50)
+    gc.set_threshold(1_000_000, 50, 50)
     try:
         with ending_on_signals():
             # modules are loaded here, where an interruption is handled, and not at the top of this

@@ -48,6 +48,9 @@ def conduct(command: str, options: dict[str, Any], usage: str, only: bool) -> St
     """
     # skip the garbage collection at exit, which takes as long as drawing a figure
     atexit.register(gc.freeze)
+    if command != "run":
+        # most other commands solve many scenes, whose garbage would fill the memory
+        gc.set_threshold(50_000, 50, 50)
     if only and command != "sweep":
         # xarray loads Dask wherever it is installed, and only sweeps need it
         sys.modules.setdefault("dask", None)  # type: ignore[arg-type]

@@ -3,9 +3,8 @@
 from functools import partial
 
 from ..crosscheck import OVER_TIME, Result
-from .contact import draw_contact
 from .difference import draw_result_difference
-from .history import draw_history
+from .history import draw_contact, draw_history
 from .mesh import draw_result_mesh, draw_stress
 from .states import draw_field, draw_states, draw_steady
 from .style import Picture
@@ -71,6 +70,7 @@ PICTURES = (
         "Von Mises stress in the half-space under the contact.",
         draw_stress,
         lambda result: result.has_inside and any(map(len, result.inside().parts)),
+        of_inside=True,
     ),
     Picture(
         "mesh.png",

@@ -107,6 +107,8 @@ class Picture(NamedTuple):
         Function that returns whether a result has the data of the figure.
     quantities : tuple of str
         Quantities that the figure shows by every method and by every other program.
+    of_inside : bool
+        Whether it shows the inside of the half-space.
     """
 
     file: str
@@ -114,6 +116,7 @@ class Picture(NamedTuple):
     draw: Callable[[Any], Figure]
     drawn_for: Callable[[Any], bool]
     quantities: tuple[str, ...] = ()
+    of_inside: bool = False
 
     @property
     def name(self) -> str:

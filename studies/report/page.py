@@ -1,11 +1,15 @@
 """Draw the figures of a run and write its page (report.html)."""
 
+import os
+import sys
+import threading
 from collections.abc import Sequence
 from functools import partial
+from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..crosscheck import INSIDE, LOG, STOPPED, Account, Result, make
+from ..crosscheck import INSIDE, LOG, STOPPED, Account, Result, cores, make, signals_wait
 
 if TYPE_CHECKING:
     from ..figures.style import Picture
@@ -29,21 +33,45 @@ def _draw(result: Result, pictures: Sequence["Picture"], directory: Path) -> lis
     """Draw the pictures that a result has data for; return the failures, with reasons.
 
     Fields inside the half-space are written, too. They take as long as the contact problem, and are
-    therefore left out without pictures unless the scene asks for them (`output.field_times`).
+    therefore left out without pictures unless the scene asks for them (`output.field_times`). While
+    they are computed, a second process draws the pictures that do not need them.
     """
     from ..crosscheck import write_half_space
 
-    failures = []
-    if result.has_inside and (pictures or result.scene.output.field_times):
-        scene, series = result.scene, bool(result.scene.output.field_times)
-        failures += make(
+    def draw(of_inside: bool) -> list[str]:
+        failures = []
+        for picture in pictures:
+            if picture.of_inside == of_inside and picture.drawn_for(result):
+                LOG.info("  output  drawing %s ...", picture.file)
+                failures += make(directory / picture.file, partial(picture.write, result))
+        return failures
+
+    scene, series = result.scene, bool(result.scene.output.field_times)
+    if not (result.has_inside and (pictures or series)):
+        return draw(of_inside=False)
+
+    def draw_apart() -> None:
+        # a signal to both processes ends this one by the other
+        with signals_wait():
+            os._exit(len(draw(of_inside=False)))
+
+    # a fork would not copy other threads
+    forks = sys.platform == "linux" and cores() > 1 and threading.active_count() == 1
+    process = get_context("fork" if forks else None).Process(target=draw_apart)
+    if forks:
+        process.start()
+    try:
+        failures = make(
             directory / INSIDE, lambda path: write_half_space(result.inside(), scene, path, series)
-        )
-    drawn = [picture for picture in pictures if picture.drawn_for(result)]
-    for number, picture in enumerate(drawn, 1):
-        LOG.info("  output  drawing figure %d of %d ...", number, len(drawn))
-        failures += make(directory / picture.file, partial(picture.write, result))
-    return failures
+        ) + draw(of_inside=True)
+        if forks:
+            process.join()
+        # what could not be drawn is tried again here, where the reason is returned
+        return failures + (draw(of_inside=False) if process.exitcode != 0 else [])
+    finally:
+        if forks:
+            process.kill()
+            process.join()
 
 
 def write_report(

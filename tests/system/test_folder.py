@@ -20,6 +20,7 @@ from groups import nightly
 from matplotlib.figure import Figure
 
 from ringwear import Scene
+from ringwear.studies.crosscheck import cores
 
 QUICK = "run flat_punch --rtol 1e-2"
 DIRECT = f"{QUICK} --methods direct"
@@ -102,6 +103,46 @@ def test_a_figure_that_fails_does_not_affect_other_files(command, tmp_path, monk
         *("results.nc", "summary.json", "report.html"),
         *(f"{name}.png" for name in drawn),
     }
+
+
+# a process without other threads, whose second process fails or is killed while it draws
+SECOND_PROCESS = """
+import multiprocessing, os, signal, sys
+from pathlib import Path
+from matplotlib.figure import Figure
+from ringwear import main
+
+first, savefig, killed = os.getpid(), Figure.savefig, sys.argv[1] == "killed"
+
+def lose(self, path, **options):
+    if os.getpid() != first:
+        Path("second").touch()
+        if killed:
+            os.kill(os.getpid(), signal.SIGKILL)
+    if path.name == "history.png" and not killed:
+        raise OSError(28, "No space left on device")
+    savefig(self, path, **options)
+
+Figure.savefig = lose
+status = main(["run", "flat_punch", "--rtol", "1e-2", "--out", "out"])
+assert not multiprocessing.active_children()
+sys.exit(status)
+"""
+
+
+@pytest.mark.skipif(cores() == 1, reason="one core draws all figures in one process")
+@pytest.mark.parametrize("end", ["fails", "killed"])
+def test_figures_that_a_second_process_loses_are_drawn_or_named_once(end, script, tmp_path):
+    done = script(SECOND_PROCESS, end)
+    assert done.returncode == (end == "fails")
+    assert (tmp_path / "second").exists()
+    assert "Traceback" not in done.stderr
+    reason = "history.png could not be written: [Errno 28] No space left on device"
+    assert done.stderr.count(reason) == (end == "fails")
+    figures = {file.name for file in (tmp_path / "out").glob("*.png")}
+    expected = {"profiles_and_pressures", "history", "steady_state", "difference", "stress", "mesh"}
+    lost = {"history"} if end == "fails" else set()
+    assert figures == {f"{name}.png" for name in expected - lost}
 
 
 def test_any_title_can_be_drawn(command, tmp_path):

@@ -26,7 +26,7 @@ from ..methods.base import Solution
 from ..problem.problem import Problem
 from ..problem.quantities import HISTORIES, STEADY
 from ..scene.scene import Scene
-from . import answers, closed_forms, fields, identities, inputs, modes
+from . import answers, closed_forms, fields, identities, modes
 from .anchor import Anchor, Rows, judge
 from .reading import Reading
 from .reported import Reported
@@ -61,7 +61,7 @@ def _given_force_and_sliding(report: Reported) -> bool:
 
 FIELDS_OF_CONTACT = "pressure profile displacement indentation normal_force"
 CHECKS = (
-    Check(inputs.check_inputs),
+    Check(answers.check_inputs),
     Check(answers.check_table),
     Check(closed_forms.check_steady_state, " ".join(sorted(STEADY))),
     Check(identities.check_forces, "ring_force pressure"),

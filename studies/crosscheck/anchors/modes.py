@@ -26,8 +26,8 @@ def check_relaxation_times(report: Reported) -> Rows:
     """
     name = "relaxation_time" if report.has("relaxation_time") else "running_in_time"
     times = np.atleast_1d(report.take(name))
-    # use another theory than the method does
-    half_space = ring_kernel.compliance if report.name == "mdr" else energy.compliance
+    # use another theory than the method does, the same for most of them
+    half_space = energy.compliance if report.name == "bem" else ring_kernel.compliance
     rings, ground = report.problem.merged, report.reading.ground
     coarse, fine = (
         slowest_relaxation_times(rings, report.fixed_indentation, sizes, half_space, ground)

@@ -94,13 +94,16 @@ def write_table(table: Table, path: Path) -> None:
         labels = [name for name, array in table.coords.items() if array.dims != (name,)]
         file.setncatts({**table.attrs, "coordinates": " ".join(labels)})
         for name, array in table.variables.items():
-            values, text = array.values, array.values.dtype.kind in "UO"
-            for dim, size in zip(array.dims, values.shape, strict=True):
+            kind = array.values.dtype
+            for dim, size in zip(array.dims, array.values.shape, strict=True):
                 if dim not in file.dimensions:
                     file.createDimension(dim, size)
-            variable = file.createVariable(name, str if text else values.dtype, array.dims)
-            variable[:] = values.astype(object) if text else values
+            variable = file.createVariable(name, str if kind.kind in "UO" else kind, array.dims)
             variable.setncatts(array.attrs)
+        # after all definitions: the library rewrites the header at each definition after data
+        for name, variable in file.variables.items():
+            values = table.variables[name].values
+            variable[:] = values.astype(object) if variable.dtype is str else values
 
 
 def read_table(path: Path) -> Table:
