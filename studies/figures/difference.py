@@ -132,10 +132,10 @@ def _draw_curves(
     if largest:
         # show the largest difference even if it is far below the error estimates
         low = min(low, 0.1 * largest)
-    for (name, bound), line in zip(bounds.items(), ("-", "--"), strict=False):
+    for (name, bound), line in zip(bounds.items(), ("-.", "--"), strict=False):
         colour, label = scale.look(name)["color"], f"error estimate of {label_of(name)} (band)"
         axes.axhspan(low, bound, color=colour, alpha=0.13, linewidth=0, zorder=0)
-        axes.axhline(bound, color=colour, linewidth=0.8, linestyle=line, label=label)
+        axes.axhline(bound, color=colour, linewidth=1.5, linestyle=line, label=label)
     for time, colour in colours.items():
         for row in np.flatnonzero(field.times == time):
             finite = np.isfinite(field.relative[row])
