@@ -103,7 +103,7 @@ def write_table(table: Table, path: Path) -> None:
         # after all definitions: the library rewrites the header at each definition after data
         for name, variable in file.variables.items():
             values = table.variables[name].values
-            variable[:] = values.astype(object) if variable.dtype is str else values
+            variable[:] = values.astype(object) if values.dtype.kind in "UO" else values
 
 
 def read_table(path: Path) -> Table:
