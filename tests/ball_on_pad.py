@@ -17,7 +17,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from independent_layer import gauss, kernel, wave_numbers
+from independent_layer import kernel
+from layered_disc import gauss, wave_numbers
 from scipy.optimize import brentq
 
 POINTS = 24

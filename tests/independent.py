@@ -20,6 +20,7 @@ from independent_load import Load
 from numpy.polynomial.legendre import legder, leggauss, legroots, legval
 from scipy.linalg import solve_triangular, svd
 from scipy.optimize import brentq
+from scipy.sparse import block_diag, csr_matrix
 
 from ringwear import differences
 
@@ -111,17 +112,17 @@ class Punch:
         first = np.concatenate([[0], np.cumsum(self.order + 1)])
         self.columns = [slice(*ends) for ends in pairwise(first)]
         self._place_points(low, high)
-        self.orthogonal = [self._orthonormal(number) for number in range(len(rows))]
-        # force of each function: of the Legendre polynomials only the constant carries a force
-        self.weights = np.concatenate(
-            [
-                np.sqrt(np.pi * width) * np.linalg.inv(lower)[:, 0]
-                for lower, width in zip(self.orthogonal, self.width, strict=True)
-            ]
-        )
+        # (points, n) values and slopes of the Legendre polynomials
+        self.values, self.rises = self._at_points(), self._at_points(derivative=True)
+        # pressures are in functions that are orthonormal with the weight k
+        measure = np.pi * self.length * self.wear
+        mass = self.values.T @ self.values.multiply(measure[:, None])
+        self.lower = np.linalg.cholesky(mass.toarray())
         # int P dA; worn volume = these times the coefficients of worn heights
         self.volumes = np.zeros(first[-1])
         self.volumes[first[:-1]] = np.sqrt(np.pi * self.width)
+        # force of each function: of the Legendre polynomials only the constant carries a force
+        self.weights = self.orthonormal(self.volumes)
         self.triangle = self._triangular_energy()
         self._solve()
 
@@ -155,12 +156,20 @@ class Punch:
             )
         return legval(local, every).T
 
-    def _orthonormal(self, number: int) -> Array:
-        """Return the Cholesky factor of the mass matrix with weight k on an element."""
-        on = self.owner == number
-        functions = self._legendre(number, self.local[on])
-        weight = np.pi * self.length[on] * self.wear[on]
-        return np.linalg.cholesky((functions * weight[:, None]).T @ functions)
+    def _at_points(self, derivative: bool = False) -> csr_matrix:
+        """Return (points, n) Legendre polynomials, or derivatives in `s`, at the Gauss points."""
+        numbers = range(len(self.order))
+        return block_diag(
+            [self._legendre(each, self.local[self.owner == each], derivative) for each in numbers],
+            format="csr",
+        )
+
+    def orthonormal(self, of_legendre: Array, transposed: bool = False) -> Array:
+        """Return integrals (n, ...) with the functions of the pressure by those with Legendre's.
+
+        The transpose returns coefficients of Legendre polynomials by those of the functions.
+        """
+        return solve_triangular(self.lower, of_legendre, lower=True, trans=int(transposed))
 
     def _triangular_energy(self) -> Array:
         """Return the triangular factor of the energy.
@@ -176,12 +185,9 @@ class Punch:
             after = np.flatnonzero((x > -1) & (self.owner >= number))
             depth = np.arccosh(x[after].astype(complex))
             integral = np.sqrt(2) * np.exp(-np.outer(depth, order)).real / order
-            of_legendre = integral * np.sqrt(order / np.pi)
-            density[after, self.columns[number]] = solve_triangular(
-                self.orthogonal[number], of_legendre.T, lower=True
-            ).T
+            density[after, self.columns[number]] = integral * np.sqrt(order / np.pi)
         density *= np.sqrt(self.length / self.radius)[:, None]
-        return np.linalg.qr(density, mode="r")
+        return np.linalg.qr(self.orthonormal(density.T).T, mode="r")
 
     def _solve(self) -> None:
         flat = self.weights
@@ -218,9 +224,7 @@ class Punch:
     def worn(self, depths: Array, pressures: Array) -> Array:
         """Return coefficients (T, n) of the worn heights d - u in Legendre polynomials."""
         moments = depths[:, None] * self.weights - (pressures @ self.triangle.T) @ self.triangle
-        for columns, lower in zip(self.columns, self.orthogonal, strict=True):
-            moments[:, columns] = moments[:, columns] @ lower.T
-        return moments
+        return moments @ self.lower.T
 
     def fields(self, radii: Array) -> tuple[Array, Array, Array]:
         """Return pressures and heights (R, n) of the functions, and k (R,), at radii."""
@@ -229,26 +233,18 @@ class Punch:
         from_rim = np.searchsorted(self.edge + self.low, s) - 1
         from_axis = np.searchsorted(-((1 - self.edge) - self.low), -square) - 1
         number = np.clip(np.where(s < 0.5, from_rim, from_axis), 0, len(self.edge) - 1)
-        pressures, heights = np.zeros((2, len(radii), len(self.weights)))
+        heights = np.zeros((len(radii), len(self.weights)))
         for each in np.unique(number):
             on = number == each
             from_edge = np.where(s < 0.5, s - self.edge[each], (1 - self.edge[each]) - square)
             within = from_edge[on] - self.low[each]
             local = (2 * within / self.width[each] - 1).clip(-1, 1)
-            functions, columns = self._legendre(each, local), self.columns[each]
-            lower = self.orthogonal[each]
-            heights[on, columns] = functions
-            pressures[on, columns] = solve_triangular(lower, functions.T, lower=True).T
-        return pressures, heights, self.pieces.at(self.piece[number], radii)
+            heights[on, self.columns[each]] = self._legendre(each, local)
+        return self.orthonormal(heights.T).T, heights, self.pieces.at(self.piece[number], radii)
 
     def rms_slopes(self, worn: Array, average: str) -> Array:
         """Return the root mean square slope (T,) of the worn face."""
-        slopes = np.empty((len(worn), len(self.owner)))
-        for number, columns in enumerate(self.columns):
-            on = self.owner == number
-            rise = self._legendre(number, self.local[on], derivative=True)
-            slopes[:, on] = worn[:, columns] @ rise.T
-        slopes *= -2 * self.radius
+        slopes = -2 * self.radius * (self.rises @ worn.T).T
         measure = 1 / (2 * self.radius) if average == "line" else 1.0
         return np.sqrt(slopes**2 @ (self.length * measure))
 
@@ -280,13 +276,8 @@ class Punch:
 
     def least_pressure(self, pressures: Array) -> float:
         """Return the least ratio, over time, of the least pressure to the greatest pressure."""
-        values = np.empty((len(pressures), len(self.owner)))
-        for number, (columns, lower) in enumerate(zip(self.columns, self.orthogonal, strict=True)):
-            on = self.owner == number
-            functions = self._legendre(number, self.local[on])
-            of_legendre = solve_triangular(lower, pressures[:, columns].T, lower=True, trans="T")
-            values[:, on] = (functions @ of_legendre).T
-        return float((values.min(axis=1) / values.max(axis=1)).min())
+        values = self.values @ self.orthonormal(pressures.T, transposed=True)
+        return float((values.min(axis=0) / values.max(axis=0)).min())
 
     def left(self, distance: float) -> float:
         """Return the fraction of the running-in that remains at a distance; it is 1 at the start.

@@ -1,14 +1,15 @@
 """A flat punch on one layer bonded to a rigid base, by formulas that ringwear does not use.
 
-The kernel is the closed form for one bonded layer. The start follows from the Fredholm equation of
+The kernel is that of `layered_disc.py`. The start follows from the Fredholm equation of
 Lebedev and Ufliand (J. Appl. Math. Mech. 22, 1958, 442) by Nystroem's method; the relaxation times
 from Galerkin's method on Legendre polynomials of ``1 - 2 r^2``, whose Hankel transforms are Bessel
 functions. Lengths are in punch radii, moduli in units of the layer's plane strain modulus.
 """
 
 import numpy as np
+from layered_disc import Layer, gauss, surface_displacements, wave_numbers
 from scipy.linalg import eigh
-from scipy.special import gammaln, jv
+from scipy.special import jv
 
 
 def kernel(x, poisson_ratio):
@@ -19,16 +20,7 @@ def kernel(x, poisson_ratio):
     x : wave number times thickness, positive
     poisson_ratio : up to and including 1/2
     """
-    kappa, e = 3 - 4 * poisson_ratio, np.exp(-2 * x)
-    # sinh and cosh times 2 exp(-2 x), so that they do not overflow
-    above = kappa * (1 - e * e) - 4 * x * e
-    below = kappa * (1 + e * e) + (4 * x * x + 1 + kappa**2) * e
-    # the numerator cancels for long waves: 2 kappa sinh(2 x) - 4 x by its series
-    long = x < 0.3
-    y = 2 * x[long]
-    sinh_remainder = sum(y**n / np.exp(gammaln(n + 1)) for n in range(3, 24, 2))
-    above[long] = (2 * (kappa - 1) * y + 2 * kappa * sinh_remainder) * e[long]
-    return above / below
+    return surface_displacements([Layer(1.0, 1 - poisson_ratio**2, poisson_ratio)], x) * x / 2
 
 
 def start(thickness, poisson_ratio, compliance=None):
@@ -68,28 +60,3 @@ def relaxation_times(thickness, poisson_ratio, count=8, functions=400):
     root = np.sqrt((2 * order + 1) / np.pi)
     # the first function carries all of the force, which does not change
     return eigh((energies * root * root[:, None])[1:, 1:], eigvals_only=True)[::-1][:count]
-
-
-def wave_numbers(thickness, reach, least_depth=None):
-    """Return Gauss points and weights in the wave number.
-
-    They end where a layer is unnoticeable at its surface, or where waves do not reach a depth.
-
-    Parameters
-    ----------
-    thickness : of the layer
-    reach : largest frequency of the integrand
-    least_depth : the least depth of waves; the default is that of reflected ones, twice the
-        thickness
-    """
-    end = 36 / (least_depth or 2 * thickness)
-    edges = np.linspace(0, end, int(np.ceil(end * reach / 10)) + 1)
-    edges = np.concatenate([[0.0], edges[1] * 0.5 ** np.arange(12, 0, -1), edges[1:]])
-    return gauss(edges, 16)
-
-
-def gauss(edges, count):
-    """Return Gauss points and weights on the panels between edges."""
-    node, weight = np.polynomial.legendre.leggauss(count)
-    half = np.diff(edges)[:, None] / 2
-    return (edges[:-1, None] + half * (1 + node)).ravel(), (half * weight).ravel()

@@ -15,7 +15,6 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from independent_layer import wave_numbers
 from scipy.special import j0, j1
 
 
@@ -116,3 +115,28 @@ def surface_displacements(layers, s):
     """Return the displacements u_z (k,) of the surface under the pressures ``J_0(s r)``."""
     states = _states(layers[0], s, 0.0)[:, 1]
     return (states * _amplitudes(layers, s)[:, : states.shape[1]]).sum(axis=1)
+
+
+def wave_numbers(thickness, reach, least_depth=None):
+    """Return Gauss points and weights in the wave number.
+
+    They end where a layer is unnoticeable at its surface, or where waves do not reach a depth.
+
+    Parameters
+    ----------
+    thickness : of the layer
+    reach : largest frequency of the integrand
+    least_depth : the least depth of waves; the default is that of reflected ones, twice the
+        thickness
+    """
+    end = 36 / (least_depth or 2 * thickness)
+    edges = np.linspace(0, end, int(np.ceil(end * reach / 10)) + 1)
+    edges = np.concatenate([[0.0], edges[1] * 0.5 ** np.arange(12, 0, -1), edges[1:]])
+    return gauss(edges, 16)
+
+
+def gauss(edges, count):
+    """Return Gauss points and weights on the panels between edges."""
+    node, weight = np.polynomial.legendre.leggauss(count)
+    half = np.diff(edges)[:, None] / 2
+    return (edges[:-1, None] + half * (1 + node)).ravel(), (half * weight).ravel()

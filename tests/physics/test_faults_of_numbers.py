@@ -6,7 +6,6 @@ one, of one method or of both, or on the other ring. Faults at one time of what 
 computed are larger than the errors that the methods state then.
 """
 
-import json
 from dataclasses import replace
 from functools import partial
 
@@ -17,8 +16,6 @@ from faults.scenes import shared, with_results, with_table
 from groups import nightly_but
 from natural import natural
 
-from ringwear import RingwearError, SceneError, load
-from ringwear.studies.crosscheck import write_numbers
 from ringwear.studies.crosscheck.problem.quantities import ANSWER, HISTORIES, STEADY
 
 SCENE = natural(
@@ -114,15 +111,3 @@ def test_a_wrong_number_is_noticed(right, place):
     assert len(tried) >= 20
     agree = [name for name, of in tried.items() if with_fault(right, of).verdict == "agree"]
     assert agree == []
-
-
-def test_other_numbers_in_the_files_are_refused(right, tmp_path):
-    wrong = with_answers(right, scale("time_to_90", SIZE)).summary
-    with pytest.raises(RingwearError, match="time_to_90 is not the result"):
-        write_numbers(right.table, wrong, tmp_path)
-    write_numbers(right.table, right.summary, tmp_path)
-    entries = json.loads((tmp_path / "summary.json").read_text("utf-8"))
-    entries["answer"]["mdr"]["time_to_full_contact"] *= 1 + SIZE
-    (tmp_path / "summary.json").write_text(json.dumps(entries), "utf-8")
-    with pytest.raises(SceneError, match=r"summary\.json is not as it was written"):
-        load(tmp_path)

@@ -49,11 +49,6 @@ def test_force_near_the_rim(prepare, method, inner):
     assert force == pytest.approx(np.sqrt((1 - inner) * (1 + inner)), rel=1e-2)
 
 
-def test_a_ringed_punch_starts_as_a_homogeneous_one(prepare, method):
-    start = prepare("five_rings", method).wear.flat
-    assert start.indentation == pytest.approx(0.5, rel=1e-4)
-
-
 @pytest.mark.parametrize("mesher", ["bisection", pytest.param("gmsh", marks=pytest.mark.gmsh)])
 def test_worn_depths_within_the_element_at_the_rim(mesher):
     """Before wear has crossed the element at the rim, the depth there is stated to be wrong.

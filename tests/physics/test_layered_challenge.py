@@ -5,9 +5,9 @@ import numpy as np
 import pandas as pd
 import pytest
 from independent import CONSTANT, Pieces, Punch
-from independent_layer import kernel, start, wave_numbers
-from layered_disc import Layer, fields_under_uniform_pressure
-from scipy.linalg import cholesky, solve_triangular
+from independent_layer import kernel, start
+from layered_disc import Layer, fields_under_uniform_pressure, wave_numbers
+from scipy.linalg import cholesky
 from scipy.special import j0
 
 from ringwear import Scene, run
@@ -84,11 +84,7 @@ class OnPad(Punch):
         thickness, poisson_ratio = self.pad
         s, lengths = wave_numbers(thickness, 2.0)
         bessel = j0(np.outer(self.radius, s)) * self.length[:, None] / 2
-        transforms = np.zeros((len(self.weights), len(s)))
-        for number, (columns, lower) in enumerate(zip(self.columns, self.orthogonal, strict=True)):
-            on = self.owner == number
-            moments = self._legendre(number, self.local[on]).T @ bessel[on]
-            transforms[columns] = solve_triangular(lower, moments, lower=True)
+        transforms = self.orthonormal(self.values.T @ bessel)
         weights = 4 * np.pi * lengths * (kernel(s * thickness, poisson_ratio) - 1)
         return cholesky(half_space.T @ half_space + (transforms * weights) @ transforms.T)
 

@@ -140,17 +140,19 @@ def test_pressures_of_a_toroid():
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("longer", [1.0, 1e4])
 @pytest.mark.parametrize("name", ["sphere", *nightly("cone", "rounded_rim")])
-def test_estimates_include_steps_that_are_too_long(name, monkeypatch):
+def test_estimates_include_steps_that_are_too_long(name, longer, monkeypatch):
     scene = Scene.load(name).changed(accuracy__rtol=1e-3)
     exact = run(scene.changed(accuracy__rtol=1e-4), methods=["bem"]).solutions["bem"].compared
     monkeypatch.setattr(
         moving_evaluation,
         "evolve",
-        lambda punch, last, tolerance, *others: evolve(punch, last, 1e4 * tolerance, *others),
+        lambda punch, last, tolerance, *others: evolve(punch, last, longer * tolerance, *others),
     )
     loose = run(scene, methods=["mdr"]).solutions["mdr"]
     errors = differences(loose.compared, exact, scene.problem.face)
-    assert max(errors.get("time_to_90", 0.0), errors["mean_contact_radius"].max()) > 1e-3
+    greatest = max(errors.get("time_to_90", 0.0), errors["mean_contact_radius"].max())
+    assert greatest > 1e-3 or longer == 1
     for quantity, error in errors.items():
         assert not (error > 1.5 * loose.errors[quantity]).any(), quantity

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from groups import nightly, nightly_but
-from independent import CONSTANT, Load, Pieces, Punch, solved
+from independent import CONSTANT, solved
 from natural import natural
 from random_layers import random_layers
 from random_punches import random_punch
@@ -41,38 +41,6 @@ def test_the_independent_solution_against_the_stored_history(reference):
         unit = units.pressure if name == "pressure" else units.displacement
         np.testing.assert_allclose(values[3:] * unit, known, rtol=2e-6)
     assert punch.least_pressure(pressures) > 0
-
-
-def test_uniform_wear_in_pieces_equals_one_piece():
-    """Edges between pieces of equal k do not change the relaxation times."""
-    whole = Pieces(np.array([0.0, 1.0]), np.ones(1), np.ones(1))
-    parts = Pieces(np.array([0.0, 0.3, 0.7, 1.0]), np.ones(3), np.ones(3))
-    times = [
-        Punch(pieces, np.append(np.full(len(pieces.inner), np.inf), 1e-12), 14).times[:5]
-        for pieces in (whole, parts)
-    ]
-    assert times[0] == pytest.approx(times[1], rel=1e-9)
-
-
-def test_the_steady_wear_rate_along_the_radius_in_closed_form():
-    """F = w int 1/k dA, with k linear from 1/4 to 1 (from 1 to 4, over the greatest)."""
-    pieces = Pieces(np.array([0.0, 1.0]), np.array([0.25]), np.array([1.0]))
-    punch = Punch(pieces, np.array([1e-12, 1e-10]), 12)
-    rate = 3 / (2 * np.pi * (1 - np.log(4) / 3)) / 4
-    assert punch.wear_rate == pytest.approx(rate, rel=1e-10)
-
-
-def test_a_rising_load_is_a_sum_of_constant_loads():
-    """A force that rises linearly is a sum of many small forces that start at later times."""
-    rings = Pieces.of(FIVE.problem)
-    punch = Punch(rings, np.append(np.full(5, 1e-6), 1e-8), 8)
-    load = Load(np.array([0.0, 0.5]), np.array([0.2, 1.0]), np.array([1.0, 1.0]))
-    time = np.array([0.8])
-    whole = punch.pressures(load, time)
-    steps = (np.arange(2000) + 0.5) / 2000
-    sums = 0.2 * punch.pressures(CONSTANT, time)
-    sums = sums + 0.8 * punch.pressures(CONSTANT, time - 0.5 * steps).mean(axis=0)
-    assert np.abs(whole - sums).max() < 1e-6 * np.abs(whole).max()
 
 
 @pytest.mark.slow

@@ -77,21 +77,3 @@ def test_a_recess_that_will_touch_keeps_its_steady_state():
     assert any(
         "that of full contact, which the history does not reach" in note for note in result.notes
     )
-
-
-@pytest.mark.parametrize("method", ["mdr", "fem", "direct"])
-def test_a_uniform_recess_equals_a_flat_punch(method):
-    flat = Scene.from_table(BASE | {"load": {"normal_force": 0.3}})
-    lower = flat.changed(punch__recess=[0.25, 0.25])
-    assert lower.problem.full_contact
-    first, second = (run(scene, methods=[method]) for scene in (flat, lower))
-    assert second.verdict != "disagree"
-    one, other = first.dataset, second.dataset
-    for name in ("pressure", "displacement", "rms_slope", "steady_rms_slope", "relaxation_time"):
-        if name in one:
-            np.testing.assert_array_equal(one[name], other[name])
-    # heights are measured from the face plane, which is 0.25 above the recessed face
-    for name in {"indentation", "profile"} & set(one):
-        np.testing.assert_allclose(other[name], one[name] + 0.25, rtol=1e-14)
-    answers = [result.answers[method]["indentation_start"] for result in (first, second)]
-    assert answers[1] == pytest.approx(answers[0] + 0.25, rel=1e-14, nan_ok=True)

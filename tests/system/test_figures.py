@@ -55,13 +55,17 @@ def named(figure, label):
     return [artist for artist in artists if artist.get_label() == label]
 
 
+def assert_no_faults(result, kinds):
+    for kind in kinds:
+        assert faults(result.plot(kind)) == [], kind
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", ["worn", "grooved"])
 def test_nothing_overlaps_and_numbers_are_short(scene, request):
     result = request.getfixturevalue(scene)
     assert len(result.plots) >= 6
-    for kind in result.plots:
-        assert faults(result.plot(kind)) == [], kind
+    assert_no_faults(result, result.plots)
 
 
 @pytest.mark.parametrize("name", nightly_but(["flat_punch"], bundled()))
@@ -69,8 +73,7 @@ def test_each_axis_of_bundled_scenes_has_two_labels_or_more(name):
     """The faults include axes with fewer labels."""
     scene = Scene.load(name)
     result = run(scene.changed(accuracy__rtol=max(scene.accuracy.rtol, 1e-2)))
-    for kind in result.plots:
-        assert faults(result.plot(kind)) == [], kind
+    assert_no_faults(result, result.plots)
 
 
 @pytest.mark.parametrize(
@@ -226,8 +229,7 @@ def test_panels_of_stresses_show_layers_of_any_thickness(thickness):
         half_space={"rigid": True, "layers": [layer]},
     )
     result = run(scene)
-    for kind in ("stress", "mesh"):
-        assert faults(result.plot(kind)) == []
+    assert_no_faults(result, ("stress", "mesh"))
     figure = result.plot("stress")
     bottom, _ = figure.axes[0].get_ylim()
     # the layer fills at least a tenth of the panel

@@ -13,53 +13,44 @@ from skfem import MeshQuad
 from ringwear import Scene, load, run
 from ringwear.meshes.files import read
 
+# names of all variables, by their dimensions
 VARIABLES = {
-    "pressure": ("time", "radius"),
-    "profile": ("time", "radius"),
-    "displacement": ("time", "radius"),
-    "indentation": ("time",),
-    "displacement_centre": ("time",),
-    "displacement_max": ("time",),
-    "rms_slope": ("time",),
-    "ring_force": ("time", "ring"),
-    "normal_force": ("time",),
-    "ring_worn_volume": ("time", "ring"),
-    "contact_radius": ("time",),
-    "mean_contact_radius": ("time",),
-    "relaxation_time": ("mode",),
-    "steady_pressure": ("radius",),
-    "steady_profile": ("radius",),
-    "steady_displacement_max": (),
-    "steady_rms_slope": (),
-    "steady_wear_rate": (),
+    ("time", "radius"): ("pressure", "profile", "displacement"),
+    ("time",): (
+        *("indentation", "displacement_centre", "displacement_max", "rms_slope", "normal_force"),
+        *("contact_radius", "mean_contact_radius"),
+    ),
+    ("time", "ring"): ("ring_force", "ring_worn_volume"),
+    ("mode",): ("relaxation_time",),
+    ("radius",): ("steady_pressure", "steady_profile"),
+    (): ("steady_displacement_max", "steady_rms_slope", "steady_wear_rate"),
 }
-# errors are norms over the radius and the rings
-VARIABLES |= {
-    f"{name}_error": tuple(dim for dim in dims if dim not in ("radius", "ring"))
-    for name, dims in VARIABLES.items()
-} | {"contact": ("time", "radius"), "contact_edge": ("time", "edge")}
 ANSWER = {
-    "indentation_start": (),
-    "indentation_steady": (),
-    "running_in_time": (),
-    "time_to_90": (),
-    "time_to_99": (),
-    "pressure_min": ("state", "ring"),
-    "pressure_max": ("state", "ring"),
-    "force_share": ("state", "ring"),
-    "worn_volume": ("ring",),
-    "force_start": (),
-    "force_end": (),
-    "time_to_half_force": (),
-    "contact_radius_start": (),
-    "contact_radius_end": (),
-    "worn_depth_end": (),
-    "pressure_peak_start": (),
-    "time_to_full_contact": (),
+    (): (
+        *("indentation_start", "indentation_steady", "force_start", "force_end"),
+        *("running_in_time", "time_to_90", "time_to_99", "time_to_half_force"),
+        *("contact_radius_start", "contact_radius_end", "time_to_full_contact"),
+        *("worn_depth_end", "pressure_peak_start"),
+    ),
+    ("state", "ring"): ("pressure_min", "pressure_max", "force_share"),
+    ("ring",): ("worn_volume",),
 }
-ANSWER |= {
-    f"{name}_error": tuple(dim for dim in dims if dim != "ring") for name, dims in ANSWER.items()
+
+
+def with_errors(variables, norms_over):
+    """Return the dimensions of variables and of their errors, which are norms over some."""
+    dims = {name: of for of, names in variables.items() for name in names}
+    return dims | {
+        f"{name}_error": tuple(dim for dim in of if dim not in norms_over)
+        for name, of in dims.items()
+    }
+
+
+VARIABLES = with_errors(VARIABLES, ("radius", "ring")) | {
+    "contact": ("time", "radius"),
+    "contact_edge": ("time", "edge"),
 }
+ANSWER = with_errors(ANSWER, ("ring",))
 NUMBERS = {"results.nc", "summary.json"}
 PAGE = {"report.html", ".ringwear.json"}
 

@@ -76,6 +76,7 @@ def test_results_of_a_method_without_an_error_estimate_are_saved(tmp_path):
     assert result.verdict == "undecided"
     (row,) = [row for row in result.agreement if row.quantity == "indentation"]
     assert row.uncertainty == np.inf
+    assert "no error estimate" in row.remark
     result.save(tmp_path)
     assert repr(load(tmp_path)) == repr(result)
 

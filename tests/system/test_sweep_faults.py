@@ -6,7 +6,6 @@ Sweeps in memory need no extra libraries.
 import json
 import logging
 import os
-import random
 import shutil
 import signal
 import subprocess
@@ -25,9 +24,7 @@ from groups import nightly
 from ringwear import RingwearError, Scene, SceneError, __version__, sweep
 from ringwear.studies.crosscheck.versions import code
 from ringwear.studies.sweep import blocks, compute, results
-from ringwear.studies.sweep.axes import Sweep
-from ringwear.studies.sweep.compute import compute_block
-from ringwear.studies.sweep.results import HIDDEN, Store
+from ringwear.studies.sweep.results import HIDDEN
 
 # three blocks of eight scenes
 BASE = Scene.load("five_rings").changed(methods=["mdr", "direct"], accuracy__rtol=1e-1)
@@ -341,23 +338,6 @@ def finish(directory, whole):
     assert len(set(computed)) == len(computed)
 
 
-@pytest.mark.nightly
-def test_a_sweep_killed_repeatedly_is_resumed(tmp_path, whole):
-    """It is killed at random moments; its workers end with it."""
-    generator = random.Random(4)
-    for _ in range(4):
-        process = begin(tmp_path, "--workers", "2", "--resume")
-        time.sleep(generator.uniform(0.2, 8.0))
-        workers = children(process)
-        process.kill()
-        process.wait()
-        deadline = time.monotonic() + 20
-        while any(map(alive, workers)):
-            assert time.monotonic() < deadline
-            time.sleep(0.05)
-    finish(tmp_path, whole)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("victim", "number", "workers"),
@@ -439,22 +419,6 @@ except SceneError as refused:
 """
 
 
-def plan(**changes):
-    table = {"base": BASE.changed(**changes).table(), "axes": AXES, "keep": KEEP}
-    return Sweep.of(table)
-
-
-@pytest.fixture
-def store(tmp_path):
-    """A finished store of three blocks."""
-    folder = tmp_path / "done"
-    folder.mkdir()
-    finished = Store(plan(), folder, resume=False)
-    for number, block in finished.unfinished(False).items():
-        finished.write(number, compute_block(block, finished.blank))
-    return finished
-
-
 @pytest.mark.slow
 def test_a_sweep_in_memory_needs_no_extra(script):
     done = script(WITHOUT_EXTRA)
@@ -481,20 +445,19 @@ def test_files_of_others_are_neither_removed_nor_mixed_with_a_store(command, tmp
     assert [file.name for file in path.iterdir()] == ["download.partial"]
 
 
-def test_leftovers_beside_arrays_of_a_store_are_kept(store):
+def test_leftovers_beside_arrays_of_a_store_are_kept(tmp_path, undisturbed):
     """Only unfinished files of Zarr and of a killed sweep are removed."""
-    mine = store.path / "mine"
-    mine.mkdir()
-    theirs = [mine / "notes.partial", store.path / "status" / "c" / "0.partial"]
+    shutil.copytree(undisturbed, tmp_path, dirs_exist_ok=True)
+    store = tmp_path / "sweep.zarr"
+    (store / "mine").mkdir()
+    theirs = [store / "mine" / "notes.partial", store / "status" / "c" / "0.partial"]
     for file in theirs:
         file.write_text("of someone else", "utf-8")
-    hidden = store.path.with_name(f"{HIDDEN}a")
+    hidden = tmp_path / f"{HIDDEN}a"
     hidden.mkdir()
-    unfinished = store.path / "status" / "c" / "0" / f"0.{32 * 'a'}.partial"
+    unfinished = store / "status" / "c" / "0" / f"0.{32 * 'a'}.partial"
     unfinished.write_bytes(b"")
-    Store(plan(), store.path.parent, resume=True)
+    compute_into(tmp_path, resume=True)
     assert all(file.exists() for file in theirs)
     assert not unfinished.exists()
     assert not hidden.exists()
-    with pytest.raises(SceneError, match="already exists"):
-        Store(plan(), store.path.parent, resume=False)

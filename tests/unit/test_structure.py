@@ -1,7 +1,13 @@
-"""Structure of the package: folders have one subject, and imports point one way."""
+"""Structure of the package: folders have one subject, and imports point one way.
+
+Tools and applications import public names of the core, which its rooms list in stubs.
+"""
 
 import ast
+import importlib
 import re
+import subprocess
+import sys
 import tomllib
 from graphlib import TopologicalSorter
 from pathlib import Path
@@ -9,6 +15,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
+FLOORS = ("meshes", "mdr", "fem", "studies")
+CORE_FOLDERS = ("meshes", "mdr", "fem", "studies/crosscheck")
 # Every folder with its subject, from the lowest floor up; folders on the same floor may not
 # import each other. Two files stand on floors of their own. The core, which is what it takes
 # to run a scene and to judge it, is `meshes`, `mdr`, `fem` and `studies.crosscheck`; above it
@@ -84,7 +92,7 @@ ONLY_DATA = {
 }
 FILES = {
     file.relative_to(ROOT).with_suffix("").as_posix().replace("/", "."): file
-    for floor in ("meshes", "mdr", "fem", "studies")
+    for floor in FLOORS
     for file in sorted((ROOT / floor).rglob("*.py"))
     if file.name != "__init__.py"
 }
@@ -233,3 +241,89 @@ def test_the_default_finite_elements_are_those_of_scikit_fem():
 def test_unit_tests_make_no_whole_runs_and_only_system_tests_use_the_command_line(folder, names):
     for file in (ROOT / "tests" / folder).rglob("*.py"):
         assert not {("ringwear", name) for name in names} & {*imports_in(file)}, file
+
+
+def is_in_core(path):
+    return any(f"{path}/".startswith(f"{folder}/") for folder in CORE_FOLDERS)
+
+
+def path_of(module):
+    """Return the path of a module or folder without its suffix; None if there is none."""
+    path = module.replace(".", "/")
+    exists = (ROOT / path).is_dir() or (ROOT / f"{path}.py").is_file()
+    return path if path and exists else None
+
+
+def imports_of(file):
+    """Yield module and name of everything that a file imports from this package."""
+    for module, name in imports_in(file):
+        full = f"{module}.{name}".removeprefix("ringwear.")
+        is_module = name not in PUBLIC.get(module, {}) and path_of(full)
+        yield (full if is_module else full.rpartition(".")[0]), name
+
+
+def imports_past_public_names():
+    """Yield files of applications with the modules of the core whose other names they import."""
+    for folder in FLOORS:
+        for file in sorted((ROOT / folder).rglob("*.py")):
+            path = file.relative_to(ROOT).as_posix()
+            if is_in_core(path):
+                continue
+            for module, name in imports_of(file):
+                is_public = name in PUBLIC.get(module, {})
+                if not is_public and path_of(module) and is_in_core(path_of(module)):
+                    yield path, module, name
+
+
+def test_no_import_goes_past_the_public_names():
+    """Use a public name instead; what others need may be made public."""
+    assert [*imports_past_public_names()] == []
+
+
+@pytest.mark.parametrize("room", PUBLIC_ROOMS)
+def test_public_names_are_loaded_by_their_room(room):
+    package = importlib.import_module(f"ringwear.{room}")
+    assert sorted(package.__all__) == sorted(PUBLIC[room])
+    for name, module in PUBLIC[room].items():
+        assert getattr(package, name) is not None
+        # the attribute of this name would be the folder or file as soon as that is loaded
+        children = {path.stem for path in (ROOT / room.replace(".", "/")).iterdir()}
+        assert name not in children or module == f"{room}.{name}"
+
+
+def test_public_names_are_used_by_others():
+    """A name that only the core itself uses is not public."""
+    import ringwear
+
+    used = set(ringwear.__all__)
+    for folder in ("studies", "tests"):
+        for file in (ROOT / folder).rglob("*.py"):
+            if not is_in_core(file.relative_to(ROOT).as_posix()):
+                used |= {name for _, name in imports_of(file)}
+    for room in PUBLIC_ROOMS:
+        assert not PUBLIC[room].keys() - used, room
+
+
+def test_names_that_are_explained_are_public():
+    from ringwear.studies import crosscheck
+
+    explained = re.findall(r"^(`.*`)$", crosscheck.__doc__, re.MULTILINE)
+    names = {name.strip("`") for line in explained for name in line.split(", ")}
+    assert names <= set(crosscheck.__all__)
+
+
+def test_names_of_ringwear_come_from_the_public_names_of_the_core():
+    for name, place in public_names("studies.api").items():
+        module = place.removeprefix("studies.api.")
+        if is_in_core(module.replace(".", "/")):
+            assert module in PUBLIC_ROOMS
+            assert name in PUBLIC[module]
+
+
+def test_the_core_loads_nothing_before_its_first_use():
+    code = (
+        "import sys, ringwear.studies.crosscheck as core\n"
+        "rooms = [name for name in sys.modules if name.startswith(core.__name__ + '.')]\n"
+        "assert not rooms and not {'numpy', 'scipy', 'pydantic', 'xarray'} & set(sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)

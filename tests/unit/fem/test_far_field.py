@@ -53,6 +53,12 @@ def test_equilibrium_and_hooke(ratio):
     assert_elastic(lambda points: poles(points, ORDERS, ratio, SHEAR), PLACES, ratio, SHEAR)
 
 
+def test_equilibrium_and_hooke_below_layers():
+    below = GROUND.poisson_ratios[2], GROUND.shear_moduli[2]
+    place = np.array([[2.3, 1.4]])
+    assert_elastic(lambda points: loaded_fields(points, 3, GROUND, OUTER), place, *below)
+
+
 @each_ratio
 def test_surface_is_free(ratio):
     """A point force displaces the surface by ``(1 - nu) F / (2 pi G r)``, and towards itself."""
@@ -143,16 +149,6 @@ def test_a_rigid_base_does_not_move():
     rigid = Ground((0.5,), (0.35, np.inf), (0.3, 0.0))
     moved, _ = at(np.array([2.0, 2.4]), 0.5, rigid)
     assert np.abs(moved).max() < 1e-10
-
-
-def test_equilibrium_and_hookes_law():
-    """The place is below both interfaces."""
-    below = GROUND.poisson_ratios[2], GROUND.shear_moduli[2]
-
-    def fields(points):
-        return loaded_fields(points, 3, GROUND, OUTER)
-
-    assert_elastic(fields, np.array([[2.3, 1.4]]), *below)
 
 
 def test_dependent_and_vanishing_fields_are_not_counted():

@@ -1,10 +1,9 @@
-"""Meshes in input decks of Abaqus and CalculiX, in universal files, and in files of gmsh."""
+"""Meshes in input decks of Abaqus and CalculiX, and in universal files."""
 
 import numpy as np
 import pytest
 
 from ringwear import MeshError, Scene, SizeField, bisection, deck
-from ringwear.meshes.by_gmsh.session import session
 from ringwear.meshes.decks import read_deck
 from ringwear.meshes.files import read
 
@@ -178,64 +177,3 @@ def test_universal_files_are_read(tmp_path, ours, second_order):
     path = tmp_path / "disc.unv"
     path.write_text("\n".join([*lines, "    -1", ""]))
     assert same(read(path, EDGES), ours)
-
-
-@pytest.mark.gmsh
-@pytest.mark.parametrize("partitions", [0, 2])
-@pytest.mark.parametrize("groups", [0, 1, 2])
-@pytest.mark.parametrize("version", [2.2, 4.0, 4.1])
-def test_files_of_gmsh_are_read_in_all_variants(tmp_path, ours, version, groups, partitions):
-    """With coordinates on the surface, in several groups or partitions, each cell counts once."""
-    path = tmp_path / "disc.msh"
-    with session() as gmsh:
-        surface = gmsh.model.addDiscreteEntity(2)
-        points = np.vstack([ours.p, np.zeros(ours.nvertices)]).T
-        gmsh.model.mesh.addNodes(2, surface, [], points.ravel())
-        gmsh.model.mesh.addElementsByType(surface, 2, [], ours.t.T.ravel() + 1)
-        for _ in range(groups):
-            gmsh.model.addPhysicalGroup(2, [surface])
-        if partitions:
-            gmsh.model.mesh.partition(partitions)
-        gmsh.option.setNumber("Mesh.MshFileVersion", version)
-        gmsh.write(str(path))
-    assert same(read(path, EDGES), ours)
-
-
-@pytest.mark.gmsh
-@pytest.mark.parametrize("version", [2.2, 4.0, 4.1])
-def test_files_of_gmsh_with_parametric_coordinates_are_read(tmp_path, version):
-    path = tmp_path / "disc.msh"
-    with session() as gmsh:
-        gmsh.model.occ.addDisk(0, 0, 0, 4, 4)
-        gmsh.model.occ.addRectangle(0, 0, 0, 4, 4)
-        gmsh.model.occ.addPoint(1, 0, 0, tag=99)
-        gmsh.model.occ.intersect([(2, 1)], [(2, 2)])
-        gmsh.model.occ.fragment(gmsh.model.occ.getEntities(2), [(0, 99)])
-        gmsh.model.occ.synchronize()
-        gmsh.option.setNumber("Mesh.MeshSizeMax", 0.5)
-        gmsh.option.setNumber("Mesh.SaveParametric", 1)
-        gmsh.option.setNumber("Mesh.MshFileVersion", version)
-        gmsh.model.mesh.generate(2)
-        gmsh.write(str(path))
-    assert read(path, EDGES[[0, 2]]).p.max() == pytest.approx(4)
-
-
-@pytest.mark.parametrize(
-    ("name", "content", "message"),
-    [
-        ("free.msh", b"4 2 4\n0 0 1\n", "FreeFEM"),
-        ("disc.mphtxt", b"# COMSOL", "a mesh of COMSOL"),
-        ("disc.cdb", b"NBLOCK", "an archive of Ansys"),
-        ("disc.pvd", b"<VTKFile>", "give one of the .vtu files"),
-        pytest.param(
-            "cut.msh",
-            b"$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n3 x\n",
-            "gmsh cannot read it",
-            marks=pytest.mark.gmsh,
-        ),
-    ],
-)
-def test_formats_that_are_not_read_are_named(tmp_path, name, content, message):
-    (tmp_path / name).write_bytes(content)
-    with pytest.raises(MeshError, match=message):
-        read(tmp_path / name, EDGES)

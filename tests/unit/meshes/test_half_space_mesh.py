@@ -249,12 +249,6 @@ def test_orphans_are_dropped():
     np.testing.assert_array_equal(as_half_space(orphaned, RINGS.ring_edges).p, mesh.p)
 
 
-def fold(mesh):
-    points = mesh.p.copy()
-    points[:, mesh.interior_nodes()[0]] += 0.9
-    return MeshTri(points, mesh.t)
-
-
 def fold_smallest(mesh):
     """Return the mesh with the inner vertex nearest to the rim moved across an opposite side.
 
@@ -281,7 +275,6 @@ def flatten(mesh):
         (lambda mesh: mesh.scaled((1, 1.001)), "boundary point"),
         (lambda mesh: mesh.scaled(1.001), "no vertex"),
         (lambda mesh: MeshTri(mesh.p, mesh.t[:, [0, *range(mesh.nelements)]]), "facet|overlap"),
-        (fold, "overlap|degenerate"),
         (fold_smallest, "overlap"),
         (flatten, "degenerate"),
     ],

@@ -16,19 +16,30 @@ from ringwear.studies.figures.style import (
 from ringwear.studies.figures.ticks import power_of_ten, short_number
 
 
+@pytest.fixture
+def axes():
+    _, panels = new_panels(4, 3)
+    return panels[0, 0]
+
+
+def labelled(axis):
+    """Return the label of each tick within an axis; those that need too many digits have none."""
+    low, high = axis.get_view_interval()
+    form = axis.get_major_formatter()
+    ticks = [tick for tick in axis.get_major_locator()() if low <= tick <= high]
+    return {tick: form(tick, None) for tick in ticks if form(tick, None)}
+
+
 @pytest.mark.parametrize("most", [3, 4, 6])
 @pytest.mark.parametrize(
     "ends", [(0.0, 1.0), (0.0, 12.0), (-0.06, 1.08), (18.0, 25.0), (20.5, 26.8), (-4.9, 4.9)]
 )
-def test_linear_axes_have_few_round_labels(ends, most):
-    _, panels = new_panels(4, 3)
-    axes = panels[0, 0]
+def test_linear_axes_have_few_round_labels(axes, ends, most):
     axes.set_xlim(ends)
     set_linear(axes, "x", most)
-    ticks = [tick for tick in axes.xaxis.get_major_locator()() if ends[0] <= tick <= ends[1]]
-    labels = [axes.xaxis.get_major_formatter()(tick, None) for tick in ticks]
-    assert 2 <= len(ticks) <= most + 1 or most == 3
-    for tick, label in zip(ticks, labels, strict=True):
+    labels = labelled(axes.xaxis)
+    assert 2 <= len(labels) <= most + 1 or most == 3
+    for tick, label in labels.items():
         assert float(label.replace("−", "-")) == pytest.approx(tick, abs=1e-12)
         mantissa = f"{abs(tick):.6e}".rstrip("0").partition("e")[0].rstrip("0")
         assert len(mantissa.replace(".", "")) <= 2
@@ -36,22 +47,18 @@ def test_linear_axes_have_few_round_labels(ends, most):
 
 @pytest.mark.parametrize("value", [1.0, 9.99e-7, 0.0314159, 99.7, 6.2475e8, -1.2345])
 @pytest.mark.parametrize("change", [0.0, 1e-12, 1e-5, 0.003, 0.2, 3.0])
-def test_values_that_hardly_change_span_one_percent_with_two_labels_of_three_digits(value, change):
-    _, panels = new_panels(4, 3)
-    axes = panels[0, 0]
+def test_values_that_hardly_change_span_one_percent_with_two_labels_of_three_digits(
+    axes, value, change
+):
     axes.plot([0, 1], [value, value * (1 + change)])
     show_values(axes)
     low, high = axes.get_ylim()
     assert high - low >= 0.00999 * abs(value)
     assert low <= min(value, value * (1 + change)) <= max(value, value * (1 + change)) <= high
-    form = axes.yaxis.get_major_formatter()
-    # those beyond the axis, and those that would need four digits, have no label
-    ticks = [tick for tick in axes.yaxis.get_major_locator()() if low <= tick <= high]
-    ticks = [tick for tick in ticks if form(tick, None)]
-    labels = [form(tick, None) for tick in ticks]
-    assert len(set(labels)) == len(labels) >= 2
+    labels = labelled(axes.yaxis)
+    assert len(set(labels.values())) == len(labels) >= 2
     # a label is the tick itself, not rounded to another number
-    for tick, label in zip(ticks, labels, strict=True):
+    for tick, label in labels.items():
         mantissa, _, exponent = label.replace("−", "-").partition("·10")
         plain = exponent.translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789"))
         assert float(mantissa) * 10.0 ** int(plain or 0) == pytest.approx(tick, rel=1e-9, abs=1e-15)
@@ -64,14 +71,11 @@ def test_values_that_hardly_change_span_one_percent_with_two_labels_of_three_dig
         *((0.12, 0.19), (8e-6, 1.9e-5), (0.995, 1.3), (3.1, 3.6)),
     ],
 )
-def test_logarithmic_axes_have_two_labels_or_more(low, high):
-    _, panels = new_panels(4, 3)
-    axes = panels[0, 0]
+def test_logarithmic_axes_have_two_labels_or_more(axes, low, high):
     axes.set_xlim(low, high)
     set_logarithmic(axes, "x")
     axes.set_xlim(low, high)
-    ticks = [tick for tick in axes.xaxis.get_major_locator()() if low <= tick <= high]
-    labels = [axes.xaxis.get_major_formatter()(tick, None) for tick in ticks]
+    labels = labelled(axes.xaxis).values()
     assert 2 <= len(set(labels)) == len(labels) <= 6
     if high >= 100 * low:
         assert all(label.startswith("10") for label in labels)
