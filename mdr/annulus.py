@@ -27,7 +27,7 @@ from ..meshes.radial import Array
 # .9999
 POINTS = 64
 # quadrature angles per thickness of the first layer across the annulus
-# (physics/test_layers.py::test_hollow_punches_on_layers)
+# (unit/mdr/test_annulus.py::test_the_flat_annulus_on_layers)
 POINTS_PER_THICKNESS = 12.0
 # radii on each ring among which extremes of the pressure are sought
 SAMPLES_PER_RING = 200

@@ -327,3 +327,13 @@ def test_the_core_loads_nothing_before_its_first_use():
         "assert not rooms and not {'numpy', 'scipy', 'pydantic', 'xarray'} & set(sys.modules)"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_tests_that_sources_cite_exist():
+    for file in FILES.values():
+        cited = re.findall(
+            r"((?:physics|unit|system)/[\w/]+\.py)::(test_\w+)", file.read_text("utf-8")
+        )
+        for path, name in cited:
+            text = (ROOT / "tests" / path).read_text("utf-8")
+            assert re.search(rf"^def {name}\(", text, re.MULTILINE), (file, name)

@@ -35,7 +35,7 @@ LOWEST_PRESSURE_DEGREE = 3.0
 # (physics/test_size_rules.py, `ringwear study convergence`).
 EXTRA_DISPLACEMENT_DEGREES = 1.45
 # Degrees of the displacement that are added per decade by which 1 - 2 nu falls. The accuracy is
-# checked by physics/test_estimates.py::test_no_locking_of_an_incompressible_half_space.
+# checked by physics/test_flat_punch.py::test_indentation_on_quadrilaterals.
 DEGREES_PER_DIGIT_OF_COMPRESSIBILITY = 0.4
 # Part of these added degrees that EXTRA_DISPLACEMENT_DEGREES already covers.
 SPARE_DISPLACEMENT_DEGREES = 0.2
@@ -144,7 +144,7 @@ def wanted_quad_degree(problem: Problem) -> int:
         q + EXTRA_DISPLACEMENT_DEGREES + max(0, -0.2 - 0.4 log10(1 - 2 nu))
 
     rounded up. The last term grows as the half-space becomes incompressible, where up to two digits
-    are lost. Shown by physics/test_estimates.py::test_no_locking_of_an_incompressible_half_space.
+    are lost. Shown by physics/test_flat_punch.py::test_indentation_on_quadrilaterals.
     """
     degree_of_fields = pressure_degree(
         with_affordable_field_tolerance(problem, QUAD_GRADING), QUAD_GRADING
