@@ -10,7 +10,7 @@ from ...meshes import Array
 from .compared import Comparison, relative
 from .measurement import Measurement
 from .mesh_patterns import PATTERNS, in_columns, patterns
-from .mistakes import mesh_part, mistakes, named, sentence
+from .mistakes import mesh_part, mistakes, named, sentence, written_out
 from .model import Model
 from .select import (
     ALIKE,
@@ -283,7 +283,7 @@ def _split_by_reach(diagnosis: Diagnosis, reach: float) -> list[Diagnosis]:
 
 def model_of(comparison: Comparison) -> Model:
     """Return the model of the compared numbers, which has no parameter yet."""
-    scene = comparison.scene.changed(
+    scene = written_out(comparison.scene).changed(
         output={}, wear__steady=False, wear__march="modal", wear__step=None
     )
     model = Model.of(scene, (), comparison.measurements(NOISE, BIAS), RTOL, rough=True)

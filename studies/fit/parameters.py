@@ -91,7 +91,7 @@ def find_parameters(scene: Scene, names: Sequence[str]) -> tuple[Scene, tuple[Pa
             parameters.append(
                 Parameter(
                     name,
-                    partial(_read_differently, NUISANCES[name][2]),
+                    NUISANCES[name][2],
                     value=0.0,
                     reach=REACH,
                     logarithmic=False,
@@ -100,7 +100,7 @@ def find_parameters(scene: Scene, names: Sequence[str]) -> tuple[Scene, tuple[Pa
             )
             continue
         parameters += [
-            Parameter(key, _change_of(key, scene), _value(table, key), unit=_kind(key))
+            Parameter(key, _change_of(key, scene), float(looked_up(table, key)), unit=_kind(key))
             for key in _expanded(table, name)
         ]
     all_names = [each.name for each in parameters]
@@ -120,11 +120,6 @@ def _change_of(key: str, scene: Scene) -> Change | str:
 
 def _with_first_layer(least: float, scene: Scene, reading: Reading, value: float) -> Situation:
     return with_values(scene, {"half_space.layers[0].thickness": max(value, least)}), reading
-
-
-def _read_differently(name: str, scene: Scene, reading: Reading, value: float) -> Situation:
-    """Return the reading with another value of one of its fields."""
-    return scene, reading.changed(name, value)
 
 
 def _with_list(scene: Scene) -> Scene:
@@ -184,12 +179,6 @@ def _key_and_index(name: str) -> tuple[str, int | None]:
     if matched is None:
         return name, None
     return matched[1], None if matched[2] is None else int(matched[2])
-
-
-def _value(table: TomlTable, name: str) -> float:
-    path, index = _key_and_index(name)
-    value = looked_up(table, path)
-    return float(value if index is None else value[index])
 
 
 def _kind(name: str) -> str:
