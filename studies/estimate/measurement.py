@@ -64,16 +64,12 @@ class Measurement:
 
         They are equal to roundoff, which a conversion of units may leave.
         """
-        if (self.column, self.ring, len(self.values)) != (
-            other.column,
-            other.ring,
-            len(other.values),
-        ):
-            return False
-        pairs = [(self.times, other.times), (self.values, other.values)]
-        if self.radii is not None and other.radii is not None:
-            pairs.append((self.radii, other.radii))
-        return all(np.allclose(own, others, rtol=1e-12, atol=0.0) for own, others in pairs)
+        rows = [(each.column, each.ring, len(each.values)) for each in (self, other)]
+        numbers = [
+            np.concatenate([each.times, each.values, () if each.radii is None else each.radii])
+            for each in (self, other)
+        ]
+        return rows[0] == rows[1] and np.allclose(*numbers, rtol=1e-12, atol=0.0)
 
     def with_scaled_noise(self, factor: float) -> "Measurement":
         """Return the measurement with its noise multiplied by a factor."""

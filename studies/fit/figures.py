@@ -1,5 +1,7 @@
 """Figures of a fit: data and residuals, profiles of the likelihood, and the next measurement."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -19,7 +21,9 @@ from ..figures.style import (
     show_values,
 )
 from ..tables.headings import KINDS
-from .outcome import Outcome
+
+if TYPE_CHECKING:
+    from .result import Fit
 
 # half width of the 95 % interval of a normal variable of deviation one
 NORMAL_HALF_WIDTH = float(ndtri(0.975))
@@ -31,7 +35,7 @@ LOGARITHMIC_RATIO = 30.0
 MAX_RISE = 9.0
 
 
-def draw_all(fit: Outcome) -> dict[str, Figure]:
+def draw_all(fit: "Fit") -> dict[str, Figure]:
     """Return the figures of a fit, by name."""
     figures = {"fit": draw_fit(fit)}
     if fit.profiles.traces:
@@ -39,7 +43,7 @@ def draw_all(fit: Outcome) -> dict[str, Figure]:
     return figures
 
 
-def draw_fit(fit: Outcome) -> Figure:
+def draw_fit(fit: "Fit") -> Figure:
     """Draw the data with the fit and its 95 % band, and their residuals below, by quantity."""
     quantities = list(dict.fromkeys(each.quantity for each in fit.measurements))
     figure = new_figure(PAGE, 4.2)
@@ -106,7 +110,7 @@ def draw_fit(fit: Outcome) -> Figure:
     return figure
 
 
-def draw_profiles(fit: Outcome) -> Figure:
+def draw_profiles(fit: "Fit") -> Figure:
     """Draw the profiles of the likelihood, each with the parabola of its curvature.
 
     They are drawn for parameters whose interval follows from the profile.
@@ -121,7 +125,7 @@ def draw_profiles(fit: Outcome) -> Figure:
     names = fit.scene.unit_names
     for axes, number in zip(panels, numbers, strict=False):
         estimate = fit.found[number]
-        trace = dict([*fit.profiles.traces[number], fit.best_trace_point(number)])
+        trace = dict([*fit.profiles.traces[number], (estimate.best, fit.chi_square)])
         coordinates, rises = np.array(sorted(trace.items())).T
         rises = rises - fit.chi_square
         drawn = rises <= MAX_RISE
@@ -137,7 +141,7 @@ def draw_profiles(fit: Outcome) -> Figure:
             linewidth=1,
         )
         place = fit.likelihood.free.index(number)
-        deviation = np.sqrt(fit.covariance[place, place])
+        deviation = np.sqrt(fit.profiles.covariance[place, place])
         parabola = ((dense - estimate.best) / deviation) ** 2
         low = parabola <= MAX_RISE
         axes.plot(

@@ -24,10 +24,9 @@ from ..estimate.model import Model
 from ..estimate.parameter import Parameter
 from ..estimate.profiles import BetterPointError, Profiles
 from .data import SCARS, NoiseInput, read_measurements
-from .outcome import Estimate
 from .parameters import find_parameters
 from .residual_tests import residual_tests
-from .result import Fit
+from .result import Estimate, Fit
 
 if TYPE_CHECKING:
     from ..check.tables import OthersResults

@@ -83,12 +83,11 @@ def few_runs(series: Array) -> float:
 
 
 def _log_partitions(count: int, parts: Indices) -> Array:
-    """Return the logarithms of the numbers of ways to divide values in a row into parts."""
-    logarithms = np.full(len(parts), -np.inf)
-    possible = parts <= count
-    counts = parts[possible]
-    logarithms[possible] = gammaln(count) - gammaln(counts) - gammaln(count - counts + 1)
-    return logarithms
+    """Return the logarithms of the numbers of ways to divide values in a row into parts.
+
+    There is none for more parts than values, where the last logarithm is infinite.
+    """
+    return np.asarray(gammaln(count) - gammaln(parts) - gammaln(count - parts + 1))
 
 
 def small_differences(series: Array) -> float:
