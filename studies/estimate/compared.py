@@ -11,8 +11,8 @@ from .measurement import Measurement
 
 # quantities on which mistakes have a known effect
 PRINTED = ("displacement", "profile", "indentation", "pressure", "normal_force")
-# least and greatest number of parts of the face over which fields are averaged
-MIN_PARTS, MAX_PARTS = 4, 8
+# least number of parts of the face over which fields are averaged
+MIN_PARTS = 4
 # greatest number of times that are compared, evenly spread over those of the other program
 MAX_TIMES = 24
 # widths in which pressures are left out of the means: beside ring edges, where they jump, over the
@@ -53,31 +53,23 @@ class Comparison:
 
     @cached_property
     def part_means(self) -> Array:
-        """(P, R) weights of the means over P parts of the face: rings, pieces of rings, or groups.
+        """(P, R) weights of the means over P parts of the face: rings, or pieces of rings.
 
         Radii beside ring edges and at the rim count only in parts that have no other radii.
         """
         edges = self.scene.problem.ring_edges * self.scene.problem.units.length
         rings = len(edges) - 1
-        if rings < MIN_PARTS:
-            pieces = -(-MIN_PARTS // rings)
-            starts = np.linspace(edges[:-1], edges[1:], pieces, endpoint=False, axis=1).ravel()
-        else:
-            starts = edges[:-1][:: -(-rings // MAX_PARTS)]
-        part_of_radius = np.searchsorted(starts, self.radii, side="right") - 1
+        pieces = -(-MIN_PARTS // rings)
+        starts = np.linspace(edges[:-1], edges[1:], pieces, endpoint=False, axis=1).ravel()
+        part = np.searchsorted(starts, self.radii, side="right") - 1
         ring = np.clip(np.searchsorted(edges, self.radii) - 1, 0, rings - 1)
-        edge_distance = np.minimum(
-            np.abs(self.radii - np.where(ring > 0, edges[ring], -np.inf)),
-            np.abs(self.radii - np.where(ring < rings - 1, edges[ring + 1], np.inf)),
-        )
-        clear = edge_distance > EDGE_MARGIN * np.diff(edges)[ring]
+        distances = np.abs(self.radii - edges[1:-1, None])
+        clear = (distances > EDGE_MARGIN * np.diff(edges)[ring]).all(axis=0)
         clear &= self.radii < edges[-1] * (1 - RIM_MARGIN)
-        means = np.zeros((len(starts), len(self.radii)))
-        for part in range(len(starts)):
-            on_part = part_of_radius == part
-            on_part = on_part & clear if (on_part & clear).any() else on_part
-            means[part, on_part] = 1 / max(1, on_part.sum())
-        return means[means.any(axis=1)]
+        used = clear | ~np.isin(part, part[clear])
+        members = used & (part == np.arange(len(starts))[:, None])
+        members = members[members.any(axis=1)]
+        return members / members.sum(axis=1, keepdims=True)
 
     @cached_property
     def quantities(self) -> tuple[str, ...]:

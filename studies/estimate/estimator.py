@@ -12,7 +12,6 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
 from lmfit import Minimizer, Parameters
 
 from ...meshes import Array, SolverError
@@ -75,7 +74,8 @@ class Likelihood:
         return np.concatenate([each.noise for each in self.measurements])
 
     @cached_property
-    def _values(self) -> Array:
+    def values(self) -> Array:
+        """(n,) measured values over the noise; 0 for missing ones."""
         values = np.concatenate([each.values for each in self.measurements])
         # missing values have an infinite noise
         return np.where(np.isfinite(self.noise), values, 0.0) / self.noise
@@ -118,32 +118,30 @@ class Likelihood:
     def residuals(self, x: Array) -> Array:
         """Return measured minus predicted values (n,) at coordinates (m,), over the noise."""
         predicted = np.concatenate(self.predictor.predict(x)) / self.noise
-        return self.whitened(self._values - predicted)
+        return self.whitened(self.values - predicted)
 
-    def _search_slopes(self, x: Array, numbers: list[int]) -> Array:
-        """Return the derivatives (n, k) by k parameters, as accurate as a search needs them."""
-        directions = np.eye(len(x))[numbers]
-        wear = [number for number in numbers if self.parameters[number].wear]
-        if wear:
-            # all wear coefficients at once only change the unit of time, without a new solution
-            directions[numbers.index(wear[0]), wear] = 1.0
-        ahead = np.array([self.residuals(x + STEP * each) for each in directions])
-        changes = (self.residuals(x) - ahead) / STEP
-        return _finite(np.linalg.solve(directions[:, numbers], changes).T)
+    def slopes(
+        self, x: Array, numbers: Sequence[int] | None = None, backward: float = STEP
+    ) -> Array:
+        """Return the derivatives (n, k) by parameters, over the noise.
 
-    def slopes(self, x: Array) -> Array:
-        """Return the derivatives (n, f) by the free parameters, over the noise.
-
-        They are central differences.
+        Parameters
+        ----------
+        x : (m,) coordinates
+        numbers : indices of k parameters; by default those of the free ones
+        backward : step behind x; 0 for differences ahead, which are accurate enough for a search
 
         Raises
         ------
         SolverError
             if they are not finite
         """
-        shifts = STEP * np.eye(len(x))[list(self.free)]
-        columns = [self.residuals(x - shift) - self.residuals(x + shift) for shift in shifts]
-        return _finite(np.reshape(columns, (len(shifts), -1)).T / (2 * STEP))
+        directions = np.eye(len(x))[list(self.free if numbers is None else numbers)]
+        columns = [
+            self.residuals(x - backward * each) - self.residuals(x + STEP * each)
+            for each in directions
+        ]
+        return _finite(np.reshape(columns, (len(directions), -1)).T / (STEP + backward))
 
     def minimizer(
         self, start: Array, varied: Sequence[int], tolerance: float = TOLERANCE
@@ -167,7 +165,7 @@ class Likelihood:
             lambda found: _finite(self.residuals(coordinates(found))),
             known,
             scale_covar=False,
-            Dfun=lambda found: -self._search_slopes(coordinates(found), [*varied]),
+            Dfun=lambda found: -self.slopes(coordinates(found), varied, 0.0),
             x_scale="jac",
             ftol=tolerance,
             xtol=tolerance,
@@ -292,23 +290,19 @@ def with_estimated_noise(likelihood: Likelihood, best: Point) -> Likelihood:
     """
     if all(each.noise_known for each in likelihood.measurements):
         return likelihood
+    columns = np.repeat(
+        [each.column for each in likelihood.measurements],
+        [len(each.values) for each in likelihood.measurements],
+    )
     for _ in range(NOISE_ROUNDS):
-        measurements, residuals = likelihood.measurements, likelihood.residuals(best.x)
-        ends = np.cumsum([len(each.values) for each in measurements])[:-1]
+        residuals, factors = likelihood.residuals(best.x), []
         # the fitted numbers are divided among the columns in proportion to their values
         freedom_per_value = max(likelihood.degrees_of_freedom, 1) / len(residuals)
-        series = pd.DataFrame(
-            {
-                "column": [each.column for each in measurements],
-                "sum": [float(part @ part) for part in np.split(residuals, ends)],
-                "count": [len(each.values) for each in measurements],
-                "least": [np.abs(each.values).max() / each.noise.max() for each in measurements],
-            }
-        )
-        columns = series.groupby("column").agg({"sum": "sum", "count": "sum", "least": "max"})
-        least = np.maximum(LEAST_NOISE * columns["least"], 1e-12)
-        scale = np.sqrt(columns["sum"] / columns["count"] / freedom_per_value).clip(lower=least)
-        factors = [1.0 if each.noise_known else scale[each.column] for each in measurements]
+        for each in likelihood.measurements:
+            own = columns == each.column
+            scale = float(np.sqrt(np.mean(residuals[own] ** 2) / freedom_per_value))
+            least = LEAST_NOISE * float(np.abs(likelihood.values[own]).max())
+            factors.append(1.0 if each.noise_known else max(scale, least, 1e-12))
         likelihood = likelihood.with_noise(factors)
         best = likelihood.best_from(best.x)
         if all(abs(factor - 1) < 1e-2 for factor in factors):

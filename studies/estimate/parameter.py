@@ -110,11 +110,6 @@ class Parameter:
         """Whether it changes the scene, and not the reading."""
         return isinstance(self.change, str | SceneChange) and self.change not in Reading._fields
 
-    @property
-    def wear(self) -> bool:
-        """Whether it is a wear coefficient, or a ratio of two."""
-        return self.name.startswith("punch.wear_")
-
     def at(self, x: float) -> float:
         """Return the value at a coordinate."""
         if self.logarithmic:
