@@ -43,7 +43,8 @@ from ..crosscheck import (
 )
 from ..decks.reports import reach_of_deck
 from ..estimate.compared import PRINTED, Comparison
-from ..estimate.diagnose import EXPLAINS, REDUCES, Diagnosis, diagnose, unexplained
+from ..estimate.diagnose import diagnose, unexplained
+from ..estimate.diagnosis import EXPLAINS, REDUCES, Diagnosis
 from ..estimate.model import unit_of
 from ..study.own import element_named
 from ..tables.writing import as_json, write_csv
@@ -281,8 +282,8 @@ class Check(AnswersGuesses):
         # what remains if the size is reduced once more
         remaining = error * float(sizes[-1] / sizes[-2]) ** order
         confirm = "reduce the size once more: the errors decrease as before"
-        numbers = float(sizes[-1]), np.nan, np.nan, 1.0
-        return [Diagnosis("mesh", *numbers, EXPLAINS, looks_like, error, remaining, "", confirm)]
+        size = float(sizes[-1])
+        return [Diagnosis("mesh", size, EXPLAINS, looks_like, error, remaining, confirm)]
 
     @cached_property
     def _mistakes(self) -> dict[str, list[Diagnosis]]:

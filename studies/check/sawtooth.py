@@ -12,7 +12,7 @@ import numpy as np
 
 from ...meshes import Array
 from ..crosscheck import Scene
-from ..estimate.diagnose import EXPLAINS, REDUCES, Diagnosis
+from ..estimate.diagnosis import EXPLAINS, REDUCES, Diagnosis
 from ..study.own import ELEMENTS
 from .other_program import ROWS, OtherProgram
 
@@ -155,15 +155,11 @@ def diagnosis_of(
     return Diagnosis(
         TOO_LONG,
         found.limit * units.time,
-        np.nan,
-        np.nan,
-        1.0,
         EXPLAINS if histories and remaining <= within else REDUCES,
         text,
         max((abs(row.error) for row in rows if np.isfinite(row.error)), default=remaining),
         remaining,
-        "",
         "update the wear in half the step, or less: the sawtooth decays; ringwear plan SCENE "
         f"--mesh FILE{element} gives the longest stable step of your mesh",
-        program.name,
+        program=program.name,
     )

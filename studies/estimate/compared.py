@@ -11,6 +11,8 @@ from .measurement import Measurement
 
 # quantities on which mistakes have a known effect
 PRINTED = ("displacement", "profile", "indentation", "pressure", "normal_force")
+# relative error that is assumed of another program if that of its mesh is not known
+USUAL_ERROR = 0.03
 # least number of parts of the face over which fields are averaged
 MIN_PARTS = 4
 # greatest number of times that are compared, evenly spread over those of the other program

@@ -1,13 +1,14 @@
 """Explain the difference of another program's results to ours by mistakes, in words."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ...meshes import Array
-from .compared import Comparison, relative
+from .compared import USUAL_ERROR, Comparison, relative
+from .diagnosis import EQUALLY, EXPLAINS, REDUCES, Diagnosis
 from .measurement import Measurement
 from .mesh_patterns import PATTERNS, in_columns, patterns
 from .mistakes import mesh_part, mistakes, named, sentence, written_out
@@ -26,9 +27,8 @@ from .select import (
 
 # tolerance of the model: errors of other programs are greater
 RTOL = 1e-2
-# relative error that is assumed of another program if that of its mesh is not known, and least one
-# if it is
-USUAL_ERROR, LEAST_ERROR = 0.03, 0.01
+# least relative error that is assumed of another program
+LEAST_ERROR = 0.01
 # factor on the estimated errors of both programs up to which a mistake explains the difference
 TRUST = 1.5
 # relative difference of two predictions below which they count as alike
@@ -48,62 +48,6 @@ OTHERS_FACTOR = 3.0
 MIN_EXPLAINED, MIN_REDUCED = 0.7, 0.04
 # greatest part of the difference of a column that remains if it is written wrongly
 MOST_REMAINING = 1 / 3
-EXPLAINS, EQUALLY, REDUCES = "explains", "explain equally well", "reduces"
-"""What is said about a mistake and the difference of two results."""
-
-
-@dataclass(frozen=True)
-class Diagnosis:
-    """A mistake that may have been made.
-
-    Parameters
-    ----------
-    name : of the mistake; empty if none that is known explains the difference
-    size : number that describes the mistake, such as a factor
-    low, high : ends of its 95 % interval, if the mistake was made; NaN if it has no fitted number
-    share : of the mistake among all that are known, by what remains, times the square of the part
-        of the difference that it explains; no probability
-    judgement : "explains": what remains is within the estimated errors of both programs; "explain
-        equally well": so does a rival; otherwise "reduces"
-    looks_like : what the difference looks like, with the number, as a noun phrase
-    before, remaining : greatest relative difference, and what remains with this mistake
-    rival : another mistake that explains as much; empty if there is none
-    confirm : what would confirm the mistake
-    program : whose results have the difference
-    """
-
-    name: str
-    size: float
-    low: float
-    high: float
-    share: float
-    judgement: str
-    looks_like: str
-    before: float
-    remaining: float
-    rival: str
-    confirm: str
-    program: str = ""
-
-    @property
-    def words(self) -> str:
-        """All of this in a sentence."""
-        if not self.name:
-            return f"no mistake that we know explains the difference: {self.confirm}"
-        interval = "" if np.isnan(self.low) else f" (95 %: {self.low:.4g} to {self.high:.4g})"
-        if self.judgement == EQUALLY:
-            return (
-                f"{self.looks_like}{interval}: this and {self.rival} explain the difference "
-                f"equally well. To confirm: {self.confirm}"
-            )
-        remains = f"{100 * self.remaining:.2g} %"
-        says = f"explains the difference (what remains is {remains})"
-        if self.judgement == REDUCES:
-            says = (
-                f"reduces the difference from {100 * self.before:.2g} % to {remains}, but does not "
-                "explain it"
-            )
-        return f"{self.looks_like}{interval}, which {says}. To confirm: {self.confirm}"
 
 
 def diagnose(comparison: Comparison, deck_reach: float | None = None) -> list[Diagnosis]:
@@ -152,28 +96,13 @@ def _in_column(comparison: Comparison, none: Candidate) -> list[Diagnosis]:
     tried = list(in_columns(comparison))
     if not tried:
         return []
-    best = min(tried, key=lambda each: each.remaining / (each.before or 1.0))
+    column, best = min(tried, key=lambda each: each[1].remaining / (each[1].before or 1.0))
     allowed = dict(zip(comparison.quantities, _allowed(comparison), strict=True))
     others = zip(comparison.quantities, none.errors, strict=True)
-    agree = all(error <= allowed[name] for name, error in others if name != best.column)
+    agree = all(error <= allowed[name] for name, error in others if name != column)
     if not agree or best.remaining > MOST_REMAINING * best.before or best.before < USUAL_ERROR:
         return []
-    judgement = EXPLAINS if best.remaining <= USUAL_ERROR else REDUCES
-    return [
-        Diagnosis(
-            best.name,
-            best.size,
-            np.nan,
-            np.nan,
-            1.0,
-            judgement,
-            best.sentence,
-            best.before,
-            best.remaining,
-            "",
-            best.remedy,
-        )
-    ]
+    return [best]
 
 
 def _allowed(comparison: Comparison) -> Array:
@@ -207,15 +136,12 @@ def _patterns_of_mesh(best: Candidate, none: Candidate, comparison: Comparison) 
         Diagnosis(
             name,
             size,
-            np.nan,
-            np.nan,
-            remaining * part,
             EXPLAINS,
             PATTERNS[name][0].format(size),
             size,
             size * float(np.sqrt(max(0.0, 1 - part))),
-            "",
             PATTERNS[name][1],
+            remaining * part,
         )
         for name, size, part in patterns(
             unexplained_errors, comparison.radii, comparison.scene.punch.radius
@@ -246,7 +172,7 @@ def unexplained(where: str) -> Diagnosis:
     ----------
     where : the greatest error, where it is, and what to do next
     """
-    return Diagnosis("", np.nan, np.nan, np.nan, 0.0, "", "", np.nan, np.nan, "", where)
+    return Diagnosis("", np.nan, "", "", np.nan, np.nan, where, 0.0)
 
 
 def _split_by_reach(diagnosis: Diagnosis, reach: float) -> list[Diagnosis]:
@@ -323,18 +249,16 @@ def _diagnoses(
         if each.mistake and each.score < none.score
     ]
     found = [row for row in found if row[2] > MIN_REDUCED]
-
-    def explains(row: tuple[Candidate, Mistake, float]) -> bool:
-        return row[2] > MIN_EXPLAINED and bool((row[0].errors <= allowed).all())
-
     # an input that leaves about as much as the mesh is not shown to be wrong
-    most = min(each.score for each, *_ in found) + NEAR if found else 0.0
-    mesh_suffices = any(
-        row[1].name == COARSE_MESH and row[0].score <= most and explains(row) for row in found
-    )
-    if deck:
-        mesh_suffices |= any(row[1].of_mesh and row[2] > MIN_EXPLAINED for row in found)
-    if mesh_suffices:
+    most = min((each.score for each, *_ in found), default=0.0) + NEAR
+    explaining = [
+        each for each, _, part in found if part > MIN_EXPLAINED and (each.errors <= allowed).all()
+    ]
+    if any(
+        (each in explaining and each.score <= most and mistake.name == COARSE_MESH)
+        or (deck and mistake.of_mesh and part > MIN_EXPLAINED)
+        for each, mistake, part in found
+    ):
         found = [row for row in found if row[1].of_mesh]
     if not found:
         return []
@@ -342,38 +266,37 @@ def _diagnoses(
     weights = np.exp(-np.maximum(scores - scores.min() - ALIKE, 0.0) / 2)
     # in the order of the score
     shares = np.minimum.accumulate(weights / weights.sum() * [part for *_, part in found])
-    explaining = [number for number, row in enumerate(found) if explains(row)]
-    listed = explaining or [0]
-    first = max(found[listed[0]][0].errors.max(), none.floor)
-    listed = [
-        number
-        for number in listed
-        if shares[number] > MIN_SHARE * shares[listed[0]]
-        and found[number][0].errors.max() <= MOST_WORSE * first
+    rows = list(zip(found, shares.tolist(), strict=True))
+    explains = any(each in explaining for each, *_ in found)
+    if explains:
+        rows = [row for row in rows if row[0][0] in explaining]
+    (first, *_), greatest = rows[0]
+    rows = [
+        ((each, mistake, _), share)
+        for (each, mistake, _), share in rows[: None if explains else 1]
+        if share > MIN_SHARE * greatest
+        and each.errors.max() <= MOST_WORSE * max(first.errors.max(), none.floor)
     ][:MOST_NAMED]
     diagnoses = []
-    for number in listed:
-        candidate, mistake, _ = found[number]
-        judgement, rival = EXPLAINS if explaining else REDUCES, ""
+    for (candidate, mistake, _), share in rows:
         near = [
-            named(found[other][1], found[other][0].values, comparison)
-            for other in listed
-            if other != number and abs(found[other][0].score - candidate.score) < NEAR
+            named(other_mistake, other.values, comparison)
+            for (other, other_mistake, _), _ in rows
+            if other is not candidate and abs(other.score - candidate.score) < NEAR
         ]
-        if explaining and near:
-            judgement, rival = EQUALLY, near[0]
+        judgement = (EQUALLY if near else EXPLAINS) if explains else REDUCES
         diagnoses.append(
             Diagnosis(
                 named(mistake, candidate.values, comparison),
                 mistake.size(*candidate.values),
-                *interval_of(mistake, candidate),
-                float(shares[number]),
                 judgement,
                 sentence(mistake, candidate.values),
                 before,
                 float(candidate.errors.max(initial=0.0)),
-                rival,
                 mistake.remedy,
+                share,
+                *interval_of(mistake, candidate),
+                near[0] if judgement == EQUALLY else "",
             )
         )
     return diagnoses
@@ -392,22 +315,18 @@ def _without_alike(candidates: Sequence[Candidate]) -> list[Candidate]:
 
 
 def _are_one(candidate: Candidate, other: Candidate) -> bool:
-    """Return whether two candidates are the same mistake, in two forms."""
-    if candidate.mistake and other.mistake and candidate.mistake.name == COARSE_MESH:
-        return other.mistake.name == COARSE_MESH
-    return _is_special(candidate, other) and alike(candidate, other)
+    """Return whether two candidates are the same mistake, in two forms.
 
-
-def _is_special(candidate: Candidate, other: Candidate) -> bool:
-    """Return whether the mistake of one of two candidates is a special case of the other's."""
+    Both are the mesh; or one is a special case of the other, and they predict nearly the same.
+    """
     first, second = candidate.mistake, other.mistake
-    if not first or not second or first.changes != second.changes:
+    if not first or not second:
         return False
-    return second.name == first.special_of or first.name == second.special_of
-
-
-def alike(candidate: Candidate, other: Candidate) -> bool:
-    """Return whether two candidates predict nearly the same."""
+    if first.name == COARSE_MESH:
+        return second.name == COARSE_MESH
+    special = second.name == first.special_of or first.name == second.special_of
+    if first.changes != second.changes or not special:
+        return False
     return bool(candidate.changes(other).max(initial=0.0) < MAX_ALIKE_DIFFERENCE)
 
 

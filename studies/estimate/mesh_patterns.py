@@ -4,14 +4,15 @@ They are no parameters of a scene or of a reading, because they belong to single
 """
 
 from collections.abc import Iterator
-from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from ...meshes import Array
 from ..crosscheck import FIELDS
-from .compared import RIM_MARGIN, Comparison
+from .compared import RIM_MARGIN, USUAL_ERROR, Comparison
+from .diagnosis import EXPLAINS, REDUCES, Diagnosis
 
 # radius, over the punch radius, beyond which errors count as errors at the rim
 RIM = 0.8
@@ -27,27 +28,6 @@ PATTERNS = {
     ),
 }
 """What each pattern looks like, with the size of the errors, and its remedy."""
-
-
-class InColumn(NamedTuple):
-    """A column that is written wrongly.
-
-    Parameters
-    ----------
-    name : of the mistake
-    sentence, remedy : what it looks like, as a noun phrase, and how to confirm it
-    column : the wrong column
-    size : of the mistake: nodes, the number of a ring, or a factor
-    before, remaining : relative difference of the column, and what remains without the mistake
-    """
-
-    name: str
-    sentence: str
-    remedy: str
-    column: str
-    size: float
-    before: float
-    remaining: float
 
 
 def patterns(errors: Array, radii: Array, radius: float) -> Iterator[tuple[str, float, float]]:
@@ -66,49 +46,48 @@ def patterns(errors: Array, radii: Array, radius: float) -> Iterator[tuple[str, 
     yield "checkerboard", size, float(-np.sum(error[:, 1:] * error[:, :-1]))
 
 
-def in_columns(comparison: Comparison) -> Iterator[InColumn]:
-    """Yield the ways in which each column of fields may be written wrongly: what remains then.
+def in_columns(comparison: Comparison) -> Iterator[tuple[str, Diagnosis]]:
+    """Yield each column of fields, and a way in which it may be written wrongly: what remains then.
 
     A column may be shifted by a node, or have the wrong sign on one ring.
     """
     edges = comparison.scene.problem.ring_edges * comparison.scene.problem.units.length
     ring = np.clip(np.searchsorted(edges, comparison.radii) - 1, 0, len(edges) - 2)
-    nodes = np.arange(len(comparison.radii))
     # pressures at the rim are those of the mesh
     inside = comparison.radii < edges[-1] * (1 - RIM_MARGIN)
     for name in comparison.quantities:
-        if name not in FIELDS or len(nodes) < 2:
+        if name not in FIELDS or len(ring) < 2:
             continue
+        theirs, words = comparison.theirs[name], name.replace("_", " ")
         # with the errors of their mesh, where these are known
-        theirs, ours = (
-            comparison.theirs[name],
-            comparison.mesh_results.get(name, comparison.ours[name]),
-        )
-        words = name.replace("_", " ")
-        before = relative_size(theirs, ours, inside)
-        for shift, side in ((1, "outward"), (-1, "inward")):
-            moved = np.full_like(ours, np.nan)
-            kept = nodes[(nodes - shift >= 0) & (nodes - shift < len(nodes))]
-            moved[:, kept] = ours[:, kept - shift]
-            yield InColumn(
+        ours = comparison.mesh_results.get(name, comparison.ours[name])
+        ways = [
+            (
                 "shifted column",
+                shift,
                 f"a column {name} that is shifted {side} by one node",
                 f"compare the rows of radius and {words}: do both begin at the same node?",
-                name,
-                float(shift),
-                before,
-                relative_size(theirs, moved, inside),
+                pd.DataFrame(ours).shift(shift, axis="columns").to_numpy(),
             )
-        for number in range(len(edges) - 1):
-            sign = np.where(ring == number, -1.0, 1.0)
-            yield InColumn(
+            for shift, side in ((1, "outward"), (-1, "inward"))
+        ]
+        ways += [
+            (
                 f"sign of the {words}",
+                number + 1,
                 f"an opposite sign of {words} on ring {number + 1}",
                 "compare the sign of this column on this ring with that on the others",
+                np.where(ring == number, -ours, ours),
+            )
+            for number in range(len(edges) - 1)
+        ]
+        before = relative_size(theirs, ours, inside)
+        for mistake, size, looks_like, confirm, wrong in ways:
+            remaining = relative_size(theirs, wrong, inside)
+            judgement = EXPLAINS if remaining <= USUAL_ERROR else REDUCES
+            yield (
                 name,
-                float(number + 1),
-                before,
-                relative_size(theirs, sign * ours, inside),
+                Diagnosis(mistake, size, judgement, looks_like, before, remaining, confirm),
             )
 
 
