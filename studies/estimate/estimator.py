@@ -12,7 +12,8 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from lmfit import Minimizer, Parameters
+from scipy.linalg import block_diag
+from scipy.optimize import least_squares
 
 from ...meshes import Array, SolverError
 from .measurement import Measurement
@@ -87,17 +88,17 @@ class Likelihood:
         With the deviation b of a common error along the unit vector e, ``C^-1/2`` in units of the
         noise is ``1 - (1 - 1 / sqrt(1 + b^2)) e e^T``: a projection if b is infinite.
         """
-        columns, parts, row = [], [], 0
+        columns, parts = [], []
         for each in self.measurements:
             error, deviation = each.common_error
-            if deviation:
-                column = np.zeros(len(self.noise))
-                column[row : row + len(each.values)] = error
-                length = float(np.linalg.norm(column)) or 1.0
-                columns.append(column / length)
-                parts.append(1 - 1 / np.sqrt(1 + (deviation * length) ** 2))
-            row += len(each.values)
-        return np.array(columns).T.reshape(len(self.noise), -1), np.array(parts)
+            length = float(np.linalg.norm(error)) or 1.0
+            columns.append(error[:, None] / length)
+            parts.append(1 - 1 / np.sqrt(1 + (deviation * length) ** 2))
+        return block_diag(*columns), np.array(parts)
+
+    def split(self, values: Array) -> list[Array]:
+        """Return the parts of values (n,) that belong to each measurement."""
+        return np.split(values, np.cumsum([len(each.values) for each in self.measurements])[:-1])
 
     @property
     def offsets(self) -> Array:
@@ -143,35 +144,6 @@ class Likelihood:
         ]
         return _finite(np.reshape(columns, (len(directions), -1)).T / (STEP + backward))
 
-    def minimizer(
-        self, start: Array, varied: Sequence[int], tolerance: float = TOLERANCE
-    ) -> Minimizer:
-        """Return lmfit's minimizer of chi-square, whose parameters ``x0``, ... are coordinates.
-
-        Parameters
-        ----------
-        start : (m,) coordinates at which a search begins
-        varied : indices of the parameters that are not held there
-        tolerance : relative change of chi-square and of the coordinates at which a search ends
-        """
-        known = Parameters()
-        for number, each in enumerate(self.parameters):
-            reach = SEARCH_MARGIN * each.reach if number in varied else np.inf
-            x = np.clip(start[number], -reach, reach)
-            # a start at an end would not be between them
-            ends = -reach * (1 + 1e-9), reach * (1 + 1e-9)
-            known.add(f"x{number}", x, number in varied, *ends)
-        return Minimizer(
-            lambda found: _finite(self.residuals(coordinates(found))),
-            known,
-            scale_covar=False,
-            Dfun=lambda found: -self.slopes(coordinates(found), varied, 0.0),
-            x_scale="jac",
-            ftol=tolerance,
-            xtol=tolerance,
-            gtol=tolerance,
-        )
-
     def best_from(
         self,
         start: Array,
@@ -194,20 +166,25 @@ class Likelihood:
             x[fixed] = value
         if not varied:
             return Point(x, float(np.sum(self.residuals(x) ** 2)))
-        best = Point(x, np.inf)
 
-        def follow(found: Parameters, _: int, residuals: Array) -> None:
-            nonlocal best
-            if (chi_square := float(residuals @ residuals)) < best.chi_square:
-                best = Point(coordinates(found), chi_square)
+        def moved(values: Array) -> Array:
+            """Return coordinates (m,) with other values of those that are varied."""
+            x[varied] = values
+            return x.copy()
 
-        minimizer = self.minimizer(x, varied, tolerance)
-        # a search that reaches its last evaluation ends at that one, which may not be the best
-        minimizer.iter_cb = follow
-        # lmfit's standard errors are not used here, and along a flat valley they are not defined
-        with np.errstate(invalid="ignore"):
-            minimizer.least_squares(max_nfev=evaluations)
-        return best
+        reach = SEARCH_MARGIN * np.array([self.parameters[number].reach for number in varied])
+        found = least_squares(
+            lambda values: _finite(self.residuals(moved(values))),
+            np.clip(x[varied], -reach, reach),
+            lambda values: -self.slopes(moved(values), varied, 0.0),
+            bounds=(-reach, reach),
+            x_scale="jac",
+            ftol=tolerance,
+            xtol=tolerance,
+            gtol=tolerance,
+            max_nfev=evaluations,
+        )
+        return Point(moved(found.x), float(2 * found.cost))
 
     def covariance(self, x: Array) -> Array:
         """Return the covariance (f, f) of the free parameters, by the curvature at a point."""
@@ -216,15 +193,10 @@ class Likelihood:
     def with_noise(self, factors: Sequence[float]) -> "Likelihood":
         """Return the likelihood with the noise of each measurement multiplied by a factor."""
         scaled = tuple(
-            each.with_scaled_noise(factor)
+            replace(each, noise=factor * each.noise)
             for each, factor in zip(self.measurements, factors, strict=True)
         )
         return replace(self, predictor=self.predictor.for_measurements(scaled))
-
-
-def coordinates(found: Parameters) -> Array:
-    """Return the values (m,) of lmfit's parameters."""
-    return np.array([each.value for each in found.values()])
 
 
 def _finite(values: Array) -> Array:

@@ -1,6 +1,6 @@
 """Measured numbers, and the errors that they are expected to have."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -70,7 +70,3 @@ class Measurement:
             for each in (self, other)
         ]
         return rows[0] == rows[1] and np.allclose(*numbers, rtol=1e-12, atol=0.0)
-
-    def with_scaled_noise(self, factor: float) -> "Measurement":
-        """Return the measurement with its noise multiplied by a factor."""
-        return replace(self, noise=self.noise * factor)

@@ -213,7 +213,11 @@ class Model:
     ) -> "Model":
         """Return the model of a scene, with a tolerance."""
         times = np.concatenate([each.times for each in measurements])
-        solver = Solver(rtol, times[times > 0], *_needs(scene, measurements), rough)
+        radii = [each.radii / scene.punch.radius for each in measurements if each.radii is not None]
+        # volumes count as fields
+        fields = any(each.quantity not in ("indentation", "normal_force") for each in measurements)
+        radii = np.unique(np.concatenate([[1.0], *radii]))
+        solver = Solver(rtol, times[times > 0], radii, fields, rough)
         if not scene.problem.loading.varies:
             # the times of the measurements count, and a scene with one time is changed faster
             scene = scene.changed(wear__times=[float(times.max())])
@@ -226,10 +230,7 @@ class Model:
         return self.solver.rtol
 
     def for_measurements(self, measurements: tuple[Measurement, ...]) -> "Model":
-        """Return the model that predicts other measurements."""
-        radii, fields = _needs(self.scene, measurements)
-        if fields > self.solver.fields or not np.isin(radii, self.solver.radii).all():
-            return Model.of(self.scene, self.parameters, measurements, self.rtol, self.origin)
+        """Return the model that predicts other measurements, at about these times and radii."""
         return replace(self, measurements=measurements)
 
     def with_parameters(self, parameters: tuple[Parameter, ...]) -> "Model":
@@ -408,16 +409,6 @@ class Model:
             lambda: part.history.sample(times, radii, step, names),
         )
         return sampled
-
-
-def _needs(scene: Scene, measurements: Sequence[Measurement]) -> tuple[Array, bool]:
-    """Return the radii of measurements, over the punch radius, and whether fields are needed.
-
-    Volumes count as fields.
-    """
-    radii = [each.radii / scene.punch.radius for each in measurements if each.radii is not None]
-    fields = any(each.quantity not in ("indentation", "normal_force") for each in measurements)
-    return np.unique(np.concatenate([[1.0], *radii])), fields
 
 
 def unit_of(units: object, quantity: str) -> float:

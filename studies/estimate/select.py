@@ -138,12 +138,11 @@ class Candidate:
 
     def _relative_sizes(self, differences: Array) -> Array:
         """Return root mean squares (Q,) of differences over the noise, over the sizes of data."""
-        present = np.isfinite(self.likelihood.noise)
-        ends = np.cumsum([len(each.values) for each in self.likelihood.measurements])[:-1]
-        squares = np.where(present, differences, 0.0) ** 2
-        parts = zip(np.split(squares, ends), np.split(present, ends), strict=True)
+        likelihood, present = self.likelihood, np.isfinite(self.likelihood.noise)
+        squares = likelihood.split(np.where(present, differences, 0.0) ** 2)
+        pairs = zip(squares, likelihood.split(present), strict=True)
         return NOISE * np.array(
-            [np.sqrt(part.sum() / max(1, there.sum())) for part, there in parts]
+            [np.sqrt(each.sum() / max(1, there.sum())) for each, there in pairs]
         )
 
     @cached_property

@@ -160,19 +160,19 @@ def fit_measurements(
     slopes = likelihood.slopes(best.x)
     shifts = inverse_of_information(slopes) @ (slopes.T @ error)
     undetermined = {number for combination in combinations for number in combination}
-    deviations = dict(zip(likelihood.free, np.sqrt(np.diag(profiles.covariance)), strict=True))
+    fitted = zip(np.sqrt(np.diag(profiles.covariance)), np.abs(shifts), strict=True)
+    by_number = dict(zip(likelihood.free, fitted, strict=True))
     estimates = []
     for number, parameter in enumerate(parameters):
-        place = likelihood.free.index(number) if number in likelihood.free else None
-        low, high = (-np.inf, np.inf) if number in undetermined else intervals[number]
+        ends = (-np.inf, np.inf) if number in undetermined else intervals[number]
+        deviation, shift = by_number.get(number, (np.nan, 0.0))
         estimates.append(
             Estimate(
                 parameter,
                 float(best.x[number]),
-                low,
-                high,
-                float(deviations.get(number, np.nan)),
-                0.0 if place is None else float(abs(shifts[place])),
+                *ends,
+                float(deviation),
+                float(shift),
                 number in profiles.traces,
             )
         )

@@ -37,10 +37,7 @@ def residual_tests(likelihood: Likelihood, x: Array) -> dict[str, float]:
     freedom = likelihood.degrees_of_freedom
     if freedom > 0 and all(each.noise_known for each in likelihood.measurements):
         probabilities["chi-square"] = float(chdtrc(freedom, residuals @ residuals))
-    row = 0
-    for each in likelihood.measurements:
-        series = residuals[row : row + len(each.values)]
-        row += len(series)
+    for each, series in zip(likelihood.measurements, likelihood.split(residuals), strict=True):
         # patterns of the numerical error of the model say nothing about the law of wear
         within_numerical_error = series @ series <= MAX_NUMERICAL_ERROR**2 * len(series)
         if len(series) < MIN_VALUES or within_numerical_error:

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
-from lmfit import Parameters, fit_report
-from lmfit.minimizer import MinimizerResult
+from lmfit import Minimizer, Parameters, fit_report
 
 from ...meshes import Array, RingwearError
 from ..crosscheck import AnswersGuesses, Scene, make, output_folder
@@ -160,16 +159,27 @@ class Fit(AnswersGuesses):
     def report(self) -> str:
         """Return statistics, parameters and correlations as lmfit's `fit_report`, and intervals."""
         likelihood, names = self.likelihood, [each.parameter.name for each in self.found]
-        minimizer = likelihood.minimizer(self.best.x, likelihood.free)
-        shown: MinimizerResult | Parameters = minimizer.params
+        known = Parameters()
+        for number, each in enumerate(self.found):
+            known.add(f"x{number}", each.best, number in likelihood.free)
+
+        def coordinates(values: Parameters) -> Array:
+            return np.array([*values.valuesdict().values()])
+
+        minimizer = Minimizer(
+            lambda values: likelihood.residuals(coordinates(values)),
+            known,
+            scale_covar=False,
+            Dfun=lambda values: -likelihood.slopes(coordinates(values)),
+        )
+        shown = known
         if likelihood.free:
             shown = minimizer.least_squares()
-            shown.redchi, minimizer.params = self.reduced_chi_square, shown.params
-        for each, known in zip(self.found, minimizer.params.values(), strict=True):
-            known.set(value=each.value, min=-np.inf, max=np.inf)
-            known.init_value, known.stderr = each.parameter.value, None
-            if known.vary:
-                known.stderr = each.standard_error
+            shown.redchi, known = self.reduced_chi_square, shown.params
+        for each, value in zip(self.found, known.values(), strict=True):
+            value.set(value=each.value)
+            value.init_value = each.parameter.value
+            value.stderr = each.standard_error if value.vary else None
         lines = [fit_report(shown), "[[95 % Intervals]]"]
         lines += [
             f"    {name}: {each.ends[0]:.7g} to {each.ends[1]:.7g}"
@@ -200,9 +210,10 @@ class Fit(AnswersGuesses):
     @cached_property
     def residuals(self) -> pd.DataFrame:
         """Measured and fitted values, and residuals over the noise, of all measurements."""
-        predicted = self.likelihood.predictor.predict(self.best.x)
-        residuals, row, tables = self.likelihood.residuals(self.best.x), 0, []
-        for each, values in zip(self.measurements, predicted, strict=True):
+        likelihood, tables = self.likelihood, []
+        predicted = likelihood.predictor.predict(self.best.x)
+        residuals = likelihood.split(likelihood.residuals(self.best.x))
+        for each, values, residual in zip(self.measurements, predicted, residuals, strict=True):
             # the unknown offset of a profile is estimated by the weighted mean of its residuals
             weights = 1 / each.noise**2
             offset = np.average(each.values - values, weights=weights) if each.has_offset else 0.0
@@ -213,10 +224,9 @@ class Fit(AnswersGuesses):
                 "measured": each.values,
                 "fitted": values + offset,
                 "noise": each.noise,
-                "residual": residuals[row : row + len(values)],
+                "residual": residual,
             }
             tables.append(pd.DataFrame(columns))
-            row += len(values)
         return pd.concat(tables, ignore_index=True).dropna(axis="columns", how="all")
 
     @cached_property
