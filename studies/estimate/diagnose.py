@@ -33,8 +33,8 @@ LEAST_ERROR = 0.01
 TRUST = 1.5
 # relative difference of two predictions below which they count as alike
 MAX_ALIKE_DIFFERENCE = 0.02
-# least share of a mistake that is named beside a better one, and greatest number of these
-MIN_SHARE, MOST_NAMED = 0.15, 4
+# greatest number of mistakes that are named, and least share of a part of one
+MOST_NAMED, MIN_SHARE = 4, 0.15
 # greatest factor on what the best mistake leaves that another one leaves that is named with it
 MOST_WORSE = 3.0
 # difference of the score up to which a mistake explains the data as well as another one
@@ -65,7 +65,7 @@ def diagnose(comparison: Comparison, deck_reach: float | None = None) -> list[Di
         Empty if nothing that is known explains the difference, or if it is below the `rtol` of the
         scene. What cannot be computed is left out, with a warning.
     """
-    if not comparison.quantities or _greatest_error(comparison) <= comparison.scene.accuracy.rtol:
+    if not _differ(comparison):
         return []
     # the matrices are so small that several threads would only wait for each other
     with threadpool_limits(1), left_out("every mistake"):
@@ -216,17 +216,16 @@ def model_of(comparison: Comparison) -> Model:
     return replace(model, known=comparison.known(), mesh_errors=comparison.mesh_errors())
 
 
-def _greatest_error(comparison: Comparison) -> float:
-    """Return the greatest relative error of a quantity, over all of its times and radii."""
-    errors = [0.0]
+def _differ(comparison: Comparison) -> bool:
+    """Return whether a quantity differs by more than `rtol`, over all of its times and radii."""
     for name in comparison.quantities:
-        difference = comparison.theirs[name] - comparison.ours[name]
-        finite = np.isfinite(difference)
-        if norm := np.linalg.norm(comparison.ours[name][finite]):
-            errors.append(float(np.linalg.norm(difference[finite]) / norm))
-        elif np.any(difference[finite]):
-            errors.append(np.inf)
-    return max(errors)
+        ours = comparison.ours[name]
+        difference = comparison.theirs[name] - ours
+        known = np.isfinite(difference)
+        allowed = comparison.scene.accuracy.rtol * np.linalg.norm(ours[known])
+        if np.linalg.norm(difference[known]) > allowed:
+            return True
+    return False
 
 
 def _diagnoses(
@@ -243,63 +242,61 @@ def _diagnoses(
     if before <= LEAST_ERROR:
         # a program without a mistake may differ as much
         return []
-    found = [
-        (each, each.mistake, explained_part(each, none))
+    made = [
+        (each, each.mistake)
         for each in _without_alike(candidates)
-        if each.mistake and each.score < none.score
+        if each.mistake and each.score < none.score and explained_part(each, none) > MIN_REDUCED
     ]
-    found = [row for row in found if row[2] > MIN_REDUCED]
+
+    def explains(candidate: Candidate) -> bool:
+        within = bool((candidate.errors <= allowed).all())
+        return within and explained_part(candidate, none) > MIN_EXPLAINED
+
     # an input that leaves about as much as the mesh is not shown to be wrong
-    most = min((each.score for each, *_ in found), default=0.0) + NEAR
-    explaining = [
-        each for each, _, part in found if part > MIN_EXPLAINED and (each.errors <= allowed).all()
-    ]
+    most = min((each.score for each, _ in made), default=0.0) + NEAR
     if any(
-        (each in explaining and each.score <= most and mistake.name == COARSE_MESH)
-        or (deck and mistake.of_mesh and part > MIN_EXPLAINED)
-        for each, mistake, part in found
+        (mistake.name == COARSE_MESH and each.score <= most and explains(each))
+        or (deck and mistake.of_mesh and explained_part(each, none) > MIN_EXPLAINED)
+        for each, mistake in made
     ):
-        found = [row for row in found if row[1].of_mesh]
-    if not found:
+        made = [(each, mistake) for each, mistake in made if mistake.of_mesh]
+    if not made:
         return []
-    scores = np.array([each.score for each, *_ in found])
+    scores = np.array([each.score for each, _ in made])
     weights = np.exp(-np.maximum(scores - scores.min() - ALIKE, 0.0) / 2)
+    parts = weights / weights.sum() * [explained_part(each, none) for each, _ in made]
     # in the order of the score
-    shares = np.minimum.accumulate(weights / weights.sum() * [part for *_, part in found])
-    rows = list(zip(found, shares.tolist(), strict=True))
-    explains = any(each in explaining for each, *_ in found)
-    if explains:
-        rows = [row for row in rows if row[0][0] in explaining]
-    (first, *_), greatest = rows[0]
+    shares = {
+        each: share for (each, _), share in zip(made, np.minimum.accumulate(parts), strict=True)
+    }
+    explaining = [(each, mistake) for each, mistake in made if explains(each)]
+    first, _ = (explaining or made)[0]
+    most_error = MOST_WORSE * max(first.errors.max(), none.floor)
     rows = [
-        ((each, mistake, _), share)
-        for (each, mistake, _), share in rows[: None if explains else 1]
-        if share > MIN_SHARE * greatest
-        and each.errors.max() <= MOST_WORSE * max(first.errors.max(), none.floor)
+        (each, mistake)
+        for each, mistake in explaining
+        if each.score < first.score + NEAR and each.errors.max() <= most_error
     ][:MOST_NAMED]
-    diagnoses = []
-    for (candidate, mistake, _), share in rows:
-        near = [
-            named(other_mistake, other.values, comparison)
-            for (other, other_mistake, _), _ in rows
-            if other is not candidate and abs(other.score - candidate.score) < NEAR
-        ]
-        judgement = (EQUALLY if near else EXPLAINS) if explains else REDUCES
-        diagnoses.append(
-            Diagnosis(
-                named(mistake, candidate.values, comparison),
-                mistake.size(*candidate.values),
-                judgement,
-                sentence(mistake, candidate.values),
-                before,
-                float(candidate.errors.max(initial=0.0)),
-                mistake.remedy,
-                share,
-                *interval_of(mistake, candidate),
-                near[0] if judgement == EQUALLY else "",
-            )
+    rows = rows or made[:1]
+    names = [named(mistake, each.values, comparison) for each, mistake in rows]
+    # the rival of the first one is the second one, and the first one is that of all others
+    rivals = [*names[1:2], *names[:1] * (len(names) - 1)]
+    judgement = REDUCES if not explaining else EQUALLY if rivals else EXPLAINS
+    return [
+        Diagnosis(
+            name,
+            mistake.size(*each.values),
+            judgement,
+            sentence(mistake, each.values),
+            before,
+            float(each.errors.max(initial=0.0)),
+            mistake.remedy,
+            float(shares[each]),
+            *interval_of(mistake, each),
+            rival,
         )
-    return diagnoses
+        for name, (each, mistake), rival in zip(names, rows, rivals or [""], strict=True)
+    ]
 
 
 def _without_alike(candidates: Sequence[Candidate]) -> list[Candidate]:
@@ -347,10 +344,17 @@ def explained_part(candidate: Candidate, none: Candidate) -> float:
 
 
 def interval_of(mistake: Mistake, candidate: Candidate) -> tuple[float, float]:
-    """Return the 95 % interval of the size of a mistake; NaN if nothing is fitted."""
-    count = len(mistake.parameters)
-    if not count or any(each.values for each in mistake.parameters):
+    """Return the 95 % interval of the size of a mistake, by the curvature and within its range.
+
+    It is NaN if nothing is fitted.
+    """
+    if any(each.values for each in mistake.parameters):
         return np.nan, np.nan
-    ends = zip(*candidate.intervals[:count], strict=True)
-    sizes = [mistake.size(*corner) for corner in ends]
+    x = candidate.point.x
+    deviations = np.sqrt(np.diag(candidate.likelihood.covariance(x)))
+    sizes = []
+    for end in (-1.96, 1.96):
+        ends = zip(mistake.parameters, x + end * deviations, strict=False)
+        values = (each.at(float(np.clip(at, -each.reach, each.reach))) for each, at in ends)
+        sizes.append(mistake.size(*values))
     return min(sizes), max(sizes)

@@ -113,20 +113,6 @@ class Candidate:
         return tuple(each.at(float(x)) for each, x in zip(parameters, self.point.x, strict=False))
 
     @cached_property
-    def intervals(self) -> list[tuple[float, float]]:
-        """95 % intervals of the fitted values, by the curvature, within the range of each."""
-        free = self.likelihood.free
-        deviations = np.zeros(0)
-        if free:
-            deviations = np.sqrt(np.diag(self.likelihood.covariance(self.point.x)))
-        intervals = []
-        for number, deviation in zip(free, deviations, strict=True):
-            each = self.likelihood.parameters[number]
-            low, high = self.point.x[number] + 1.96 * deviation * np.array([-1, 1])
-            intervals.append((each.at(max(low, -each.reach)), each.at(min(high, each.reach))))
-        return intervals
-
-    @cached_property
     def errors(self) -> Array:
         """(Q,) root mean squares of the relative errors that remain, by measurement."""
         measured = np.concatenate([each.values for each in self.likelihood.measurements])
@@ -201,19 +187,14 @@ def select(
             further = of_mesh if mistake.name != COARSE_MESH else ()
             if found := _with_mistake(none, mistake, further):
                 candidates.append(found)
-    candidates.sort(key=lambda each: each.score)
-    candidates = [*map(_refined, candidates[:MAX_SOLVED]), *candidates[MAX_SOLVED:]]
+    first = sorted(candidates, key=lambda each: each.score)[:MAX_SOLVED]
+    candidates = [_refined(each) if each in first else each for each in candidates]
     # of mistakes that leave about the same, the one with fewest parameters is first, and then
     # the first one of the table
-    order = {id(each): number for number, each in enumerate(mistakes)}
     best = min(each.score for each in candidates)
     return sorted(
         candidates,
-        key=lambda each: (
-            max(each.score - best - ALIKE, 0.0),
-            len(each.likelihood.parameters),
-            order.get(id(each.mistake), -1),
-        ),
+        key=lambda each: (max(each.score - best - ALIKE, 0.0), len(each.likelihood.parameters)),
     )
 
 
