@@ -43,7 +43,7 @@ from ..crosscheck import (
 )
 from ..decks.reports import reach_of_deck
 from ..estimate.compared import PRINTED, Comparison
-from ..estimate.diagnose import diagnose, unexplained
+from ..estimate.diagnose import diagnose
 from ..estimate.diagnosis import EXPLAINS, REDUCES, Diagnosis
 from ..estimate.model import unit_of
 from ..study.own import element_named
@@ -51,7 +51,7 @@ from ..tables.writing import as_json, write_csv
 from .errors import ErrorAtTime, best, errors_at_times
 from .other_program import OtherProgram
 from .refinement import Refinement, order_in_words, refinements
-from .sawtooth import diagnosis_of, sawtooth_of
+from .sawtooth import mistake_of_steps
 from .tables import NoTimesError, OthersResults, are_steps, by_name, read, without_number
 
 if TYPE_CHECKING:
@@ -250,18 +250,16 @@ class Check(AnswersGuesses):
         A sawtooth of pressures hides all other mistakes that do not change indentation or force.
         """
         LOG.info("   check  trying mistakes that may explain the errors of %s ...", program)
-        rows, first = self.rows_of(program), []
-        if found := sawtooth_of(self.scene, self.others[program], self.element):
-            arguments = self.scene, self.others[program], found, rows, self.within
-            first = [diagnosis_of(*arguments)]
-            if first[0].judgement == EXPLAINS:
-                return first
+        rows, other = self.rows_of(program), self.others[program]
+        first = mistake_of_steps(self.scene, other, rows, self.within, self.element)
+        if first and first[0].judgement == EXPLAINS:
+            return first
         if self.refinements and not self.is_within(program):
             first += self._error_of_mesh()
         others = diagnose(self._compared(program), self.decks.get(program))
         nothing_explains = not first and all(each.judgement == REDUCES for each in others)
         if nothing_explains and rows and not self.is_within(program):
-            others.append(unexplained(self.texts.next_step(program)))
+            others.append(Diagnosis(confirm=self.texts.next_step(program), share=0.0))
         return [replace(each, program=program) for each in (*first, *others)]
 
     def _error_of_mesh(self) -> list[Diagnosis]:
@@ -428,16 +426,15 @@ class Check(AnswersGuesses):
 
     @property
     def pictures(self) -> "list[Picture]":
-        """The figures of a check, those that show their results first."""
+        """The figures that can be drawn, those that show their results first."""
         from .pictures import pictures
 
-        return pictures(self)
+        return [picture for picture in pictures(self) if picture.drawn_for(self.together)]
 
     @property
     def plots(self) -> tuple[str, ...]:
         """The figures that `plot` can draw."""
-        pictures = (each for each in self.pictures if each.drawn_for(self.together))
-        return tuple(picture.name for picture in pictures)
+        return tuple(picture.name for picture in self.pictures)
 
     def plot(self, kind: str = "") -> "Figure":
         """Draw a figure: one of `plots`, by default the first.
@@ -449,8 +446,7 @@ class Check(AnswersGuesses):
         """
         from ..figures.style import picture_of
 
-        drawn = [picture for picture in self.pictures if picture.drawn_for(self.together)]
-        return picture_of(drawn, kind).figure(self.together)
+        return picture_of(self.pictures, kind).figure(self.together)
 
     def save(self, folder: str | Path) -> list[str]:
         """Write the files of ``ringwear check --out folder``; return their names.

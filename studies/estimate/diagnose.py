@@ -165,16 +165,6 @@ def _pressures(candidate: Candidate, comparison: Comparison) -> Array:
     return model.predict(candidate.point.x)[0].reshape(len(times), -1)
 
 
-def unexplained(where: str) -> Diagnosis:
-    """Return the diagnosis that no mistake explains the difference.
-
-    Parameters
-    ----------
-    where : the greatest error, where it is, and what to do next
-    """
-    return Diagnosis("", np.nan, "", "", np.nan, np.nan, where, 0.0)
-
-
 def _split_by_reach(diagnosis: Diagnosis, reach: float) -> list[Diagnosis]:
     """Return the diagnosis of a clamped half-space in the parts of the arc and of the mesh.
 

@@ -20,7 +20,8 @@ class Diagnosis:
         equally well": so does a rival; otherwise "reduces"
     looks_like : what the difference looks like, with the number, as a noun phrase
     before, remaining : greatest relative difference, and what remains with this mistake
-    confirm : what would confirm the mistake
+    confirm : what would confirm the mistake; or, without one, where the greatest error is, and what
+        to do next
     share : of the mistake among all that are known, by what remains, times the square of the part
         of the difference that it explains; no probability
     low, high : ends of its 95 % interval, if the mistake was made; NaN if it has no fitted number
@@ -28,13 +29,13 @@ class Diagnosis:
     program : whose results have the difference
     """
 
-    name: str
-    size: float
-    judgement: str
-    looks_like: str
-    before: float
-    remaining: float
-    confirm: str
+    name: str = ""
+    size: float = np.nan
+    judgement: str = ""
+    looks_like: str = ""
+    before: float = np.nan
+    remaining: float = np.nan
+    confirm: str = ""
     share: float = 1.0
     low: float = np.nan
     high: float = np.nan

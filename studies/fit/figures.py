@@ -1,6 +1,6 @@
 """Figures of a fit: data and residuals, profiles of the likelihood, and the next measurement."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -25,6 +25,9 @@ from ..tables.headings import KINDS
 if TYPE_CHECKING:
     from .result import Fit
 
+# colour of the fit, and look of its band
+RED = "#c0392b"
+BAND: Any = {"color": RED, "alpha": 0.25, "linewidth": 0}
 # half width of the 95 % interval of a normal variable of deviation one
 NORMAL_HALF_WIDTH = float(ndtri(0.975))
 # greatest number of measurements of one quantity that are drawn in its panel
@@ -64,37 +67,20 @@ def draw_fit(fit: "Fit") -> Figure:
             abscissas, label = _abscissa(each, names)
             order = np.argsort(abscissas)
             measured, fitted = table["measured"][part], table["fitted"][part]
-            upper.plot(
-                abscissas,
-                measured / unit,
-                look["marker"],
-                color=look["color"],
-                markersize=3,
-                fillstyle="none",
-                label=_label(each, names, len(series)),
-            )
-            upper.plot(abscissas[order], (fitted / unit).to_numpy()[order], color="#c0392b")
+            points = {"color": look["color"], "markersize": 3, "fillstyle": "none"}
+            name = _label(each, names, len(series))
+            upper.plot(abscissas, measured / unit, look["marker"], **points, label=name)
+            upper.plot(abscissas[order], (fitted / unit).to_numpy()[order], color=RED)
             band = bands[part]
             upper.fill_between(
                 abscissas[order],
                 ((fitted - band) / unit).to_numpy()[order],
                 ((fitted + band) / unit).to_numpy()[order],
-                color="#c0392b",
-                alpha=0.25,
-                linewidth=0,
+                **BAND,
             )
-            lower.plot(
-                abscissas,
-                table["residual"][part],
-                look["marker"],
-                color=look["color"],
-                markersize=3,
-                fillstyle="none",
-            )
+            lower.plot(abscissas, table["residual"][part], look["marker"], **points)
             relative = (band / each.noise)[order]
-            lower.fill_between(
-                abscissas[order], -relative, relative, color="#c0392b", alpha=0.25, linewidth=0
-            )
+            lower.fill_between(abscissas[order], -relative, relative, **BAND)
             lower.set_xlabel(label)
         for height in (-NORMAL_HALF_WIDTH, 0.0, NORMAL_HALF_WIDTH):
             lower.axhline(height, **FAINT)

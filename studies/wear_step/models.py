@@ -94,16 +94,14 @@ def results_on_mesh(
     models = _models(problem, radii, element) if steady_load and _are_nodes(radii) else []
     best, found = np.inf, dict[str, Array]()
     for nodes, treatment, side in product(models, TREATMENTS, (-1, 0, 1)):
-        wear, greatest = wear_at_nodes(problem.merged, nodes.radii), problem.wear_coefficients.max()
+        wear = wear_at_nodes(problem.merged, nodes.radii)
         if side:
-            places = np.clip(nodes.radii + side * BESIDE, nodes.radii[0], 1.0)
-            wear = problem.merged.at(places) / greatest
+            wear = problem.merged.at(np.clip(nodes.radii + side * BESIDE, nodes.radii[0], 1.0))
         stiffness, forces = (
             nodes.pressures(treatment) @ nodes.stiffness,
             nodes.stiffness.sum(axis=0),
         )
-        by_force, elapsed = problem.indentation is None, times * float(greatest)
-        worn = worn_at_nodes(stiffness, forces, wear, elapsed, by_force)
+        worn = worn_at_nodes(stiffness, forces, wear, times, problem.indentation is None)
         fields = {
             "pressure": worn.pressures,
             "profile": worn.profiles,
