@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...meshes import Array, RingwearError, SceneError
+from ...meshes import RingwearError, SceneError
 from ..crosscheck import (
     FIELDS,
     LOG,
@@ -45,7 +45,6 @@ from ..decks.reports import reach_of_deck
 from ..estimate.compared import PRINTED, Comparison
 from ..estimate.diagnose import diagnose
 from ..estimate.diagnosis import EXPLAINS, REDUCES, Diagnosis
-from ..estimate.model import unit_of
 from ..study.own import element_named
 from ..tables.writing import as_json, write_csv
 from .errors import ErrorAtTime, best, errors_at_times
@@ -163,15 +162,8 @@ def check(
     refuse_beyond_memory(scene, ours.values(), memory, memory_of_tables, **how)
     others = {name: OtherProgram.from_table(name, table, scene) for name, table in tables.items()}
     methods_of([*others.values()])  # refuses names that are more than one line
-    reaches = {name: reach_of_deck(programs.get(name), scene) for name in tables}
-    return Check(
-        computed(scene, ours),
-        others,
-        within,
-        sizes,
-        {name: reach for name, reach in reaches.items() if reach is not None},
-        element,
-    )
+    decks = {name: reach_of_deck(programs.get(name), scene) for name in tables}
+    return Check(computed(scene, ours), others, within, sizes, decks, element)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -186,7 +178,7 @@ class Check(AnswersGuesses):
     sizes : of elements or steps, if all results are of one program, from coarse to fine, so that
         only the last one is judged; otherwise empty
     decks : radius of the half-space, in punch radii, of results of decks of this scene by
-        `ringwear deck`, by the name of the results
+        `ringwear deck`, by the name of the results; None of other results
     element : elements of the other programs; None if they are not known
     """
 
@@ -194,7 +186,7 @@ class Check(AnswersGuesses):
     others: Mapping[str, OtherProgram]
     within: float
     sizes: tuple[float, ...] = ()
-    decks: Mapping[str, float] = field(default_factory=dict)
+    decks: Mapping[str, float | None] = field(default_factory=dict)
     element: str | None = None
 
     @property
@@ -240,7 +232,8 @@ class Check(AnswersGuesses):
         names = self.judged if program is None else (program,)
         for name in names:
             if name not in self._mistakes:
-                self._mistakes[name] = self._mistakes_of(name)
+                found = self._mistakes_of(name)
+                self._mistakes[name] = [replace(each, program=name) for each in found]
         mistakes = [mistake for name in names for mistake in self._mistakes[name]]
         return sorted(mistakes, key=lambda mistake: -mistake.share)
 
@@ -250,17 +243,17 @@ class Check(AnswersGuesses):
         A sawtooth of pressures hides all other mistakes that do not change indentation or force.
         """
         LOG.info("   check  trying mistakes that may explain the errors of %s ...", program)
-        rows, other = self.rows_of(program), self.others[program]
-        first = mistake_of_steps(self.scene, other, rows, self.within, self.element)
+        rows, compared = self.rows_of(program), self.compared(program)
+        first = mistake_of_steps(compared, rows, self.within, self.element)
         if first and first[0].judgement == EXPLAINS:
             return first
         if self.refinements and not self.is_within(program):
             first += self._error_of_mesh()
-        others = diagnose(self._compared(program), self.decks.get(program))
+        others = diagnose(compared, self.decks.get(program))
         nothing_explains = not first and all(each.judgement == REDUCES for each in others)
         if nothing_explains and rows and not self.is_within(program):
             others.append(Diagnosis(confirm=self.texts.next_step(program), share=0.0))
-        return [replace(each, program=program) for each in (*first, *others)]
+        return first + others
 
     def _error_of_mesh(self) -> list[Diagnosis]:
         """Return the diagnosis of the mesh if all results of a refinement converge to ours.
@@ -360,7 +353,7 @@ class Check(AnswersGuesses):
         """Convergence of each quantity, if the results are a refinement."""
         return tuple(refinements(self.rows, tuple(self.others), self.sizes)) if self.sizes else ()
 
-    def _compared(self, program: str) -> Comparison:
+    def compared(self, program: str) -> Comparison:
         """Return the results of a program, and ours at its times and radii.
 
         Quantities on which mistakes have no known effect are left out.
@@ -380,21 +373,7 @@ class Check(AnswersGuesses):
             if best(self._our_solutions, key)
         }
         times, radii = dataset["time"].values, np.asarray(dataset.get("radius", np.empty(0)))
-        pressures = theirs.get("pressure")
-        on_mesh = {} if pressures is None else self._results_on_mesh(times, radii, pressures)
-        return Comparison(times, radii, theirs, ours, self.scene, on_mesh)
-
-    def _results_on_mesh(self, times: Array, radii: Array, pressures: Array) -> dict[str, Array]:
-        """Return results of a mesh with nodes at the radii; empty if there is no such mesh."""
-        # it loads scikit-fem, which tables without an error do not need
-        from ..wear_step.models import results_on_mesh
-
-        problem, element = self.scene.problem, self.element or "P1"
-        units = problem.units
-        pressures = pressures / unit_of(units, "pressure")
-        times, radii = times / units.time, radii / units.length
-        found = results_on_mesh(problem, times, radii, pressures, element)
-        return {name: values * unit_of(units, name) for name, values in found.items()}
+        return Comparison(times, radii, theirs, ours, self.scene, self.element or "P1")
 
     @property
     def summary(self) -> dict[str, Any]:

@@ -8,12 +8,13 @@ pressure, and the indentation remains right. The tables have consecutive updates
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from ...meshes import Array
-from ..crosscheck import Scene
+from ..estimate.compared import Comparison
 from ..estimate.diagnosis import EXPLAINS, REDUCES, Diagnosis
 from ..study.own import ELEMENTS
-from .other_program import ROWS, OtherProgram
+from .other_program import ROWS
 
 if TYPE_CHECKING:
     from .errors import ErrorAtTime
@@ -89,8 +90,7 @@ def _in_rows(times: Array, pressures: Array, mean: float) -> Sawtooth | None:
 
 
 def mistake_of_steps(
-    scene: Scene,
-    program: OtherProgram,
+    comparison: Comparison,
     rows: "list[ErrorAtTime]",
     within: float,
     element: str | None,
@@ -99,18 +99,21 @@ def mistake_of_steps(
 
     Parameters
     ----------
-    scene : the scene, at the times and radii of all programs
-    program : its results
+    comparison : results of the program and ours
     rows : errors of the program
     within : allowed relative error
     element : element of the program, if it is known
     """
-    if (table := program.pressures(scene)) is None:
+    if not (given := comparison.pressures):
         return []
-    problem, names, radii = scene.problem, scene.unit_names, table[1]
-    times, pressures = (values[-LAST_ROWS:] for values in table[::2])
+    scene, (times, radii, pressures) = comparison.scene, given
+    problem, names = scene.problem, scene.unit_names
     area = np.pi * (1 - problem.inner_radius**2)
     mean = float(problem.loading.at(times[-1:]).force[0]) / area
+    # without rows and radii that have no values
+    table = pd.DataFrame(pressures, times, radii).dropna(how="all").dropna(axis="columns")
+    table = table.tail(LAST_ROWS)
+    times, radii, pressures = (np.asarray(each) for each in (table.index, table.columns, table))
     if (found := find(times, pressures, mean)) is None:
         return []
     limit, model, allowed = np.nan, "", ""
@@ -143,6 +146,5 @@ def mistake_of_steps(
         remaining,
         "update the wear in half the step, or less: the sawtooth decays; ringwear plan SCENE "
         f"--mesh FILE{option} gives the longest stable step of your mesh",
-        program=program.name,
     )
     return [diagnosis]

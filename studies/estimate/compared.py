@@ -1,6 +1,6 @@
 """Reduce the results of another program to the few numbers that explain its error."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -8,6 +8,7 @@ import numpy as np
 from ...meshes import Array, Indices
 from ..crosscheck import FIELDS, Results, Scene
 from .measurement import Measurement
+from .model import unit_of
 
 # quantities on which mistakes have a known effect
 PRINTED = ("displacement", "profile", "indentation", "pressure", "normal_force")
@@ -37,7 +38,7 @@ class Comparison:
     theirs, ours : pressure, displacement, profile (T, R), indentation, normal_force (T,), NaN or
         absent where they are unknown
     scene : the scene that both have solved
-    mesh_results : results of linear elements with nodes at their radii, where these are known
+    element : element of the other program, for `mesh_results`; empty if it has no mesh
     """
 
     times: Array
@@ -45,13 +46,34 @@ class Comparison:
     theirs: Results
     ours: Results
     scene: Scene
-    mesh_results: Results = field(default_factory=dict)
+    element: str = ""
 
     @cached_property
     def time_rows(self) -> Indices:
         """(S,) indices of the compared times among all times."""
         count = len(self.times)
         return np.unique(np.linspace(0, count - 1, min(count, MAX_TIMES)).round().astype(int))
+
+    @cached_property
+    def pressures(self) -> tuple[Array, Array, Array] | None:
+        """Their times (T,), radii (R,) and pressures (T, R), without units; None if there are none."""
+        if "pressure" not in self.theirs:
+            return None
+        units = self.scene.problem.units
+        pressures = self.theirs["pressure"] / unit_of(units, "pressure")
+        return self.times / units.time, self.radii / units.length, pressures
+
+    @cached_property
+    def mesh_results(self) -> Results:
+        """Results of elements with nodes at their radii; empty where these are not known."""
+        if not self.element or self.pressures is None:
+            return {}
+        # it loads scikit-fem, which tables without an error do not need
+        from ..wear_step.models import results_on_mesh
+
+        found = results_on_mesh(self.scene.problem, *self.pressures, self.element)
+        units = self.scene.problem.units
+        return {name: values * unit_of(units, name) for name, values in found.items()}
 
     @cached_property
     def part_means(self) -> Array:

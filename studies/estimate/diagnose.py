@@ -304,17 +304,13 @@ def _without_alike(candidates: Sequence[Candidate]) -> list[Candidate]:
 def _are_one(candidate: Candidate, other: Candidate) -> bool:
     """Return whether two candidates are the same mistake, in two forms.
 
-    Both are the mesh; or one is a special case of the other, and they predict nearly the same.
+    One is a special case of the other, and they predict nearly the same.
     """
     first, second = candidate.mistake, other.mistake
-    if not first or not second:
+    if not first or not second or first.changes != second.changes:
         return False
-    if first.name == COARSE_MESH:
-        return second.name == COARSE_MESH
     special = second.name == first.special_of or first.name == second.special_of
-    if first.changes != second.changes or not special:
-        return False
-    return bool(candidate.changes(other).max(initial=0.0) < MAX_ALIKE_DIFFERENCE)
+    return special and bool(candidate.changes(other).max(initial=0.0) < MAX_ALIKE_DIFFERENCE)
 
 
 def explained_part(candidate: Candidate, none: Candidate) -> float:

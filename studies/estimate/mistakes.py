@@ -142,8 +142,8 @@ def mesh_part() -> Parameter:
     return Parameter("mesh", "mesh", 0.5, 1.0, logarithmic=False, scale=0.5)
 
 
-def coarse_mesh(errors: float, clamped: Change | None) -> Iterator[Mistake]:
-    """Yield the errors of a mesh whose nodes are at the radii, without and with those below it.
+def coarse_mesh(errors: float, clamped: Change | None) -> Mistake:
+    """Return the errors of a mesh whose nodes are at the radii, with those of the mesh below it.
 
     Parameters
     ----------
@@ -151,20 +151,17 @@ def coarse_mesh(errors: float, clamped: Change | None) -> Iterator[Mistake]:
     clamped : change by which all displacements are too low, as they are if elements below the
         surface are too large; None if there is none
     """
-    nodes = replace(mesh_part(), value=1.0, scale=1.0)
-    rows: list[tuple[Parameter, ...]] = [(nodes,)]
+    parameters = [replace(mesh_part(), value=1.0, scale=1.0)]
     if clamped is not None:
-        below = Parameter("a/R", clamped, errors, 1.0, logarithmic=False, scale=errors)
-        rows.append((nodes, below))
-    for parameters in rows:
-        yield Mistake(
-            COARSE_MESH,
-            "a mesh that is too coarse: {0:.2g} times the errors of linear elements with nodes at "
-            "these radii",
-            "halve the element size: this error decreases; give both results with --refinement",
-            parameters,
-            of_mesh=True,
-        )
+        parameters.append(Parameter("a/R", clamped, errors, 1.0, logarithmic=False, scale=errors))
+    return Mistake(
+        COARSE_MESH,
+        "a mesh that is too coarse: {0:.2g} times the errors of linear elements with nodes at "
+        "these radii",
+        "halve the element size: this error decreases; give both results with --refinement",
+        tuple(parameters),
+        of_mesh=True,
+    )
 
 
 # ---- the table ------------------------------------------------------------------------------
@@ -185,7 +182,7 @@ def mistakes(comparison: Comparison) -> Iterator[Mistake]:
     errors = dict(zip(comparison.quantities, comparison.mesh_errors(), strict=False))
     error = float(np.sqrt(np.mean(errors["pressure"] ** 2))) if errors else 0.0
     if error and not (bare and (flat or by_force)):
-        yield from coarse_mesh(error, None)
+        yield coarse_mesh(error, None)
     if bare and (flat or by_force):
         low = float(np.interp(problem.poisson_ratio, *TRUNCATION_ERRORS))
 
@@ -201,7 +198,7 @@ def mistakes(comparison: Comparison) -> Iterator[Mistake]:
             return scene, reading._replace(ground_compliance=compliance)
 
         if error:
-            yield from coarse_mesh(error, clamped)
+            yield coarse_mesh(error, clamped)
         yield Mistake(
             "truncated half-space",
             lambda part: (
@@ -626,8 +623,8 @@ def named(mistake: Mistake, values: tuple[float, ...], comparison: Comparison) -
     plane = 1 - comparison.scene.problem.poisson_ratio**2
     labels = {1e3: "units", 1e6: "units", 2 * math.pi: "2 pi missing", plane: "Poisson's ratio"}
     for number, label in labels.items():
-        nearest = min(abs(values[0] / number - 1), abs(values[0] * number - 1))
-        if number != 1 and nearest < MAX_FACTOR_DIFFERENCE:
+        near = np.isclose(values[0], [number, 1 / number], rtol=MAX_FACTOR_DIFFERENCE, atol=0.0)
+        if number != 1 and near.any():
             return label
     # a factor of another mistake may come to that of a unit
     if round(math.log(abs(values[0]), 1000)) and len(mistake.changes.split(" and ")) > 1:
