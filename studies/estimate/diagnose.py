@@ -7,10 +7,8 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ...meshes import Array
-from .compared import USUAL_ERROR, Comparison, relative
+from .compared import PATTERNS, USUAL_ERROR, Comparison, in_columns, patterns, relative
 from .diagnosis import EQUALLY, EXPLAINS, REDUCES, Diagnosis
-from .measurement import Measurement
-from .mesh_patterns import PATTERNS, in_columns, patterns
 from .mistakes import mesh_part, mistakes, named, sentence, written_out
 from .model import Model
 from .select import (
@@ -115,23 +113,19 @@ def _allowed(comparison: Comparison) -> Array:
 
 
 def _patterns_of_mesh(best: Candidate, none: Candidate, comparison: Comparison) -> list[Diagnosis]:
-    """Return the patterns of a mesh in the pressures that the best candidate does not explain."""
-    if "pressure" not in comparison.quantities:
+    """Return the patterns of a mesh in the pressures, if the best candidate does not change them.
+
+    Errors of pressures are not what is wrong, either, if those of another column are much greater.
+    """
+    errors = dict(zip(comparison.quantities, best.errors, strict=True))
+    changes = dict(zip(comparison.quantities, best.changes(none), strict=True))
+    if changes.get("pressure", 1.0) > MIN_EFFECT:
         return []
-    theirs = comparison.theirs["pressure"][comparison.time_rows]
-    ours = comparison.ours["pressure"][comparison.time_rows]
-    others = [
-        error
-        for name, error in zip(comparison.quantities, best.errors, strict=True)
-        if name != "pressure"
-    ]
-    explained, as_it_is = (_pressures(each, comparison) for each in (best, none))
-    errors = relative(theirs, ours)
-    with np.errstate(all="ignore"):
-        unexplained_errors = relative(theirs, ours * (explained / as_it_is))
-    # the part of the errors that mistakes explain is not caused by the mesh
-    norms = float(np.linalg.norm(unexplained_errors)), float(np.linalg.norm(errors) or 1.0)
-    remaining = min(1.0, norms[0] / norms[1])
+    theirs, ours = (
+        results["pressure"][comparison.time_rows]
+        for results in (comparison.theirs, comparison.ours)
+    )
+    others = max((error for name, error in errors.items() if name != "pressure"), default=0.0)
     return [
         Diagnosis(
             name,
@@ -141,28 +135,15 @@ def _patterns_of_mesh(best: Candidate, none: Candidate, comparison: Comparison) 
             size,
             size * float(np.sqrt(max(0.0, 1 - part))),
             PATTERNS[name][1],
-            remaining * part,
+            part,
         )
         for name, size, part in patterns(
-            unexplained_errors, comparison.radii, comparison.scene.punch.radius
+            relative(theirs, ours), comparison.radii, comparison.scene.punch.radius
         )
-        if remaining * part > SURE
+        if part > SURE
         and size > comparison.scene.accuracy.rtol
-        # errors of pressures are not what is wrong if those of another column are much greater
-        and max(others, default=0.0) < max(USUAL_ERROR, OTHERS_FACTOR * size)
+        and others < max(USUAL_ERROR, OTHERS_FACTOR * size)
     ]
-
-
-def _pressures(candidate: Candidate, comparison: Comparison) -> Array:
-    """Return the pressures (S, R) that a candidate predicts at their times and radii."""
-    times, radii = comparison.times[comparison.time_rows], comparison.radii
-    zeros = np.zeros(len(times) * len(radii))
-    pressures = Measurement(
-        "pressure", "pressure", times, zeros, zeros, False, radii, means=np.eye(len(radii))
-    )
-    model = candidate.likelihood.predictor
-    model = replace(model, measurements=(pressures,), known=(), mesh_errors=(np.zeros(1),))
-    return model.predict(candidate.point.x)[0].reshape(len(times), -1)
 
 
 def _split_by_reach(diagnosis: Diagnosis, reach: float) -> list[Diagnosis]:

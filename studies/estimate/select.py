@@ -233,9 +233,8 @@ def _with_mistake(
     likelihood = Likelihood(none.likelihood.predictor.with_parameters(parameters), parameters, free)
     points = []
     for values in mistake.starts:
-        x = np.zeros(len(parameters))
-        for number, value in enumerate(values):
-            x[number] = parameters[number].coordinate(value)
+        x, starts = np.zeros(len(parameters)), zip(mistake.parameters, values, strict=True)
+        x[: len(values)] = [each.coordinate(value) for each, value in starts]
         if np.isfinite(chi_square := float(np.sum(likelihood.residuals(x) ** 2))):
             points.append(Point(x, chi_square))
     if not points:
@@ -247,9 +246,8 @@ def _with_mistake(
             for point in points[:MAX_STARTS]
         ]
     best = min(points, key=lambda point: point.chi_square)
-    own = [number for number in free if number < len(mistake.parameters)]
-    reach = np.array([parameters[number].reach for number in own])
-    if (np.abs(best.x[own]) > reach).any():
+    own = zip(mistake.parameters, best.x.tolist(), strict=False)
+    if any(abs(x) > each.reach for each, x in own):
         return None
     found = Candidate(mistake, likelihood, best, none.floor)
     return found if found.changes(none).max() > MIN_EFFECT else None

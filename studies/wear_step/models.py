@@ -10,6 +10,7 @@ import numpy as np
 from ...meshes import Array, MeshError
 from ..crosscheck import Problem
 from ..estimate.histories import worn_at_nodes
+from ..estimate.model import is_flat
 from ..study.own import ELEMENTS
 from .contact_nodes import (
     TREATMENTS,
@@ -90,8 +91,9 @@ def results_on_mesh(
     pressures : (T, R) of the program, non-dimensional
     element : name of the element
     """
-    steady_load = problem.full_contact and not problem.keeps_contact and not problem.loading.varies
-    models = _models(problem, radii, element) if steady_load and _are_nodes(radii) else []
+    models = list[ContactNodes]()
+    if is_flat(problem) and not problem.loading.varies and FEWEST_RADII <= len(radii) <= MOST_RADII:
+        models = _models(problem, radii, element)
     best, found = np.inf, dict[str, Array]()
     for nodes, treatment, side in product(models, TREATMENTS, (-1, 0, 1)):
         wear = wear_at_nodes(problem.merged, nodes.radii)
@@ -116,10 +118,6 @@ def results_on_mesh(
             best, found = distance, results | {"indentation": worn.indentations}
     scale = 1.0 if problem.indentation is None else problem.indentation
     return {name: scale * values for name, values in found.items()}
-
-
-def _are_nodes(radii: Array) -> bool:
-    return FEWEST_RADII <= len(radii) <= MOST_RADII
 
 
 def _models(problem: Problem, radii: Array, element: str | None) -> list[ContactNodes]:
