@@ -76,16 +76,12 @@ def _ranked(comparison: Comparison, deck_reach: float | None) -> list[Diagnosis]
     model, of_mesh = model_of(comparison), (mesh_part(),) * bool(comparison.mesh_results)
     candidates = select(model, list(mistakes(comparison)), of_mesh)
     (none,) = (each for each in candidates if each.mistake is None)
-    with left_out("a column"):
-        if diagnoses := _in_column(comparison, none):
-            return diagnoses
+    if diagnoses := _in_column(comparison, none):
+        return diagnoses
     diagnoses = _diagnoses(candidates, none, comparison, deck_reach is not None)
     if deck_reach is not None:
         diagnoses = [part for each in diagnoses for part in _split_by_reach(each, deck_reach)]
-    named_mistakes = {each.name for each in diagnoses}
-    with left_out("the mesh"):
-        found = _patterns_of_mesh(candidates[0], none, comparison)
-        diagnoses += [each for each in found if each.name not in named_mistakes]
+    diagnoses += _patterns_of_mesh(candidates[0], none, comparison)
     return sorted(diagnoses, key=lambda each: -each.share)
 
 

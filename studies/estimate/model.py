@@ -50,81 +50,6 @@ class Weighted(NamedTuple):
     problem: Problem
 
 
-@dataclass(frozen=True, eq=False)
-class Solver:
-    """Solve scenes, each non-dimensional problem once.
-
-    Parameters
-    ----------
-    rtol : tolerance
-    times : times of the data after the start, for which discretisations are made
-    radii : radii of the data, over the radius of the punch
-    fields : whether fields or volumes are needed, not only the indentation
-    rough : whether lattices of two dimensions are interpolated linearly
-    direct : whether every scene is solved, and nothing is interpolated
-    """
-
-    rtol: float
-    times: Array
-    radii: Array
-    fields: bool
-    rough: bool = False
-    direct: bool = False
-    stored: dict[str, dict[object, Any]] = field(default_factory=dict)
-
-    def once(self, kind: str, key: object, compute: Callable[[], Any]) -> Any:
-        """Return what is stored of a kind under a key, or else what is computed, and store it."""
-        kept = self.stored.setdefault(kind, {})
-        if key not in kept:
-            while len(kept) >= STORED:
-                del kept[next(iter(kept))]
-            kept[key] = compute()
-        return kept[key]
-
-    def history(self, scene: Scene, reading: Reading) -> History:
-        """Return the history of a scene."""
-        problem = scene.problem
-        times = reading.times(self.times) / problem.units.time
-        times = times[times > 0] if (times > 0).any() else np.array([1e-3, 1.0])
-        if reading.plane_strain:
-            return Strips.of(problem)
-        if not is_flat(problem):
-            return self._march(scene, problem, times)
-        distances = problem.loading.at(times).distance
-        distances = distances[distances > 0]
-        earliest, latest = float(distances.min()), float(distances.max())
-        ground, added = ground_numbers(scene), 0.0
-        compliance = self.once(
-            "compliance",
-            written(ground),
-            lambda: discretise(replace(problem, rtol=self.rtol), earliest, latest, self.fields),
-        )
-        if problem.indentation is not None:
-            added = reading.ground_compliance * problem.units.force / problem.units.displacement
-        numbers = ground, wear_coefficients(scene), load_numbers(problem), [added]
-        if added:
-            compliance = with_uniform(compliance, added)
-        flat: FlatHistory = self.once(
-            "history",
-            written(np.concatenate(numbers)),
-            lambda: FlatHistory(problem, compliance, earliest / 10),
-        )
-        return flat
-
-    def _march(self, scene: Scene, problem: Problem, times: Array) -> History:
-        clock, key = clock_of(problem), written(shape_numbers(scene))
-        earliest, latest = float(times.min()) / clock, float(times.max()) / clock
-        marches = self.stored.setdefault("march", {})
-        if stored := marches.get(key):
-            if stored.earliest <= earliest and latest <= stored.latest:
-                return stored
-            earliest, latest = min(earliest, stored.earliest), max(latest, stored.latest)
-        coarse = replace(problem, rtol=MARCH_RTOL_FACTOR * self.rtol)
-        marches[key] = March.compute(coarse, clock, earliest, latest, self.radii)
-        LOG.info("     fit  %d marches ...", len(marches))
-        return marches[key]
-
-
 def is_flat(problem: Problem) -> bool:
     """Return whether the contact is full for all parameters, not only predicted to be."""
     return problem.full_contact and not problem.keeps_contact
@@ -142,15 +67,6 @@ def wear_coefficients(scene: Scene) -> Array:
     return scene.problem.wear_coefficients
 
 
-def ground_numbers(scene: Scene) -> Array:
-    """Return the numbers on which a discretised half-space depends: edges, layers and radii."""
-    problem, table, ground = scene.problem, scene.punch.table, scene.problem.ground
-    layers = ground.share, *ground.thicknesses, *ground.poisson_ratios
-    moduli = np.minimum(ground.shear_moduli, 1e9)
-    graded = np.array(table.radii if table else ()) / problem.units.length
-    return np.concatenate([problem.ring_edges, *[layers, moduli] * ground.layered, graded])
-
-
 def load_numbers(problem: Problem) -> Array:
     """Return the numbers that describe a load that varies, and a prescribed indentation."""
     loading = problem.loading
@@ -161,14 +77,25 @@ def load_numbers(problem: Problem) -> Array:
 def shape_numbers(scene: Scene) -> Array:
     """Return the numbers on which a discretisation depends and, if the contact moves, a march.
 
-    The latter are 0 if it does not move.
+    The former are edges, layers and radii of a table. The latter are 0 if the contact does not
+    move.
     """
-    problem = scene.problem
-    radii = np.linspace(problem.inner_radius, 1.0, HEIGHTS)
+    problem, table, ground = scene.problem, scene.punch.table, scene.problem.ground
+    layers = ground.share, *ground.thicknesses, *ground.poisson_ratios
+    moduli = np.minimum(ground.shear_moduli, 1e9)
+    graded = np.array(table.radii if table else ()) / problem.units.length
     contrasts = wear_coefficients(scene)
+    radii = np.linspace(problem.inner_radius, 1.0, HEIGHTS)
     of_march = [load_numbers(problem), np.log(contrasts / contrasts[0]), problem.profile(radii)]
     moves = not is_flat(problem)
-    return np.concatenate([ground_numbers(scene), moves * np.concatenate(of_march)])
+    return np.concatenate(
+        [
+            problem.ring_edges,
+            *[layers, moduli] * ground.layered,
+            graded,
+            moves * np.concatenate(of_march),
+        ]
+    )
 
 
 def written(numbers: Array) -> bytes:
@@ -185,21 +112,27 @@ class Model:
     scene : with the initial values of the parameters
     parameters : m parameters
     measurements : that are predicted
-    solver : with the histories that have been computed
+    rtol : tolerance to which scenes are solved
     origin : (m,) coordinates of a point of the lattice, at which nothing is interpolated
     known : accurate values of each measurement in the scene as it is, if there are any: predictions
         are multiplied by their ratio to those of the model, whose tolerance is loose
     mesh_errors : relative errors of each measurement on a linear mesh, if they are known; a reading
         tells which part of them a table has
+    rough : whether lattices of two dimensions are interpolated linearly
+    direct : whether every scene is solved, and nothing is interpolated
+    stored : what has been computed, which models share that differ in other fields
     """
 
     scene: Scene
     parameters: tuple[Parameter, ...]
     measurements: tuple[Measurement, ...]
-    solver: Solver
+    rtol: float
     origin: Array
     known: tuple[Array, ...] = ()
     mesh_errors: tuple[Array, ...] = ()
+    rough: bool = False
+    direct: bool = False
+    stored: dict[str, dict[object, Any]] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -212,22 +145,12 @@ class Model:
         rough: bool = False,
     ) -> "Model":
         """Return the model of a scene, with a tolerance."""
-        times = np.concatenate([each.times for each in measurements])
-        radii = [each.radii / scene.punch.radius for each in measurements if each.radii is not None]
-        # volumes count as fields
-        fields = any(each.quantity not in ("indentation", "normal_force") for each in measurements)
-        radii = np.unique(np.concatenate([[1.0], *radii]))
-        solver = Solver(rtol, times[times > 0], radii, fields, rough)
         if not scene.problem.loading.varies:
             # the times of the measurements count, and a scene with one time is changed faster
-            scene = scene.changed(wear__times=[float(times.max())])
-        zeros = np.zeros(len(parameters))
-        return cls(scene, parameters, measurements, solver, zeros if origin is None else origin)
-
-    @property
-    def rtol(self) -> float:
-        """The tolerance to which the model is solved."""
-        return self.solver.rtol
+            last = max(float(each.times.max()) for each in measurements)
+            scene = scene.changed(wear__times=[last])
+        origin = np.zeros(len(parameters)) if origin is None else origin
+        return cls(scene, parameters, measurements, rtol, origin, rough=rough)
 
     def for_measurements(self, measurements: tuple[Measurement, ...]) -> "Model":
         """Return the model that predicts other measurements, at about these times and radii."""
@@ -241,11 +164,20 @@ class Model:
     @property
     def interpolates(self) -> bool:
         """Whether histories are interpolated."""
-        return not self.solver.direct and bool(len(self._lattice[0]))
+        return not self.direct and bool(len(self._lattice[0]))
 
     def solved_directly(self) -> "Model":
         """Return the model without interpolation; it shares all solutions."""
-        return replace(self, solver=replace(self.solver, direct=True))
+        return replace(self, direct=True)
+
+    def once(self, kind: str, key: object, compute: Callable[[], Any]) -> Any:
+        """Return what is stored of a kind under a key, or else what is computed, and store it."""
+        kept = self.stored.setdefault(kind, {})
+        if key not in kept:
+            while len(kept) >= STORED:
+                del kept[next(iter(kept))]
+            kept[key] = compute()
+        return kept[key]
 
     def predict(self, x: Array) -> list[Array]:
         """Return the values (n,) of each measurement at coordinates (m,)."""
@@ -271,12 +203,65 @@ class Model:
         """Return the scene and the reading at coordinates (m,); each scene is made once."""
         parameters = np.array(self.parameters, dtype=object)
         of_scene = np.array([each.of_scene for each in parameters], dtype=bool)
-        scene, reading = self.solver.once(
+        scene, reading = self.once(
             "scene",
             (*parameters[of_scene], x[of_scene].tobytes()),
             lambda: situation(self.scene, parameters[of_scene], x[of_scene]),
         )
         return situation(scene, parameters[~of_scene], x[~of_scene], reading)
+
+    def history(self, scene: Scene, reading: Reading) -> History:
+        """Return the history of a scene; each non-dimensional problem is solved once."""
+        problem = scene.problem
+        times = np.concatenate([each.times for each in self.measurements])
+        # of a table that has only the start, any times
+        times = reading.times(times[times > 0]) / problem.units.time
+        times = times[times > 0] if (times > 0).any() else np.array([1e-3, 1.0])
+        if reading.plane_strain:
+            return Strips.of(problem)
+        if not is_flat(problem):
+            return self._march(scene, problem, times)
+        distances = problem.loading.at(times).distance
+        distances = distances[distances > 0]
+        earliest, latest = float(distances.min()), float(distances.max())
+        # volumes count as fields
+        fields = any(
+            each.quantity not in ("indentation", "normal_force") for each in self.measurements
+        )
+        shape, added = shape_numbers(scene), 0.0
+        if problem.indentation is not None:
+            added = reading.ground_compliance * problem.units.force / problem.units.displacement
+        numbers = shape, wear_coefficients(scene), load_numbers(problem), [added]
+        compliance = self.once(
+            "compliance",
+            written(shape),
+            lambda: discretise(replace(problem, rtol=self.rtol), earliest, latest, fields),
+        )
+        flat: FlatHistory = self.once(
+            "history",
+            written(np.concatenate(numbers)),
+            lambda: FlatHistory(
+                problem,
+                with_uniform(compliance, added) if added else compliance,
+                earliest / 10,
+            ),
+        )
+        return flat
+
+    def _march(self, scene: Scene, problem: Problem, times: Array) -> History:
+        clock, key = clock_of(problem), written(shape_numbers(scene))
+        earliest, latest = float(times.min()) / clock, float(times.max()) / clock
+        marches = self.stored.setdefault("march", {})
+        if stored := marches.get(key):
+            if stored.earliest <= earliest and latest <= stored.latest:
+                return stored
+            earliest, latest = min(earliest, stored.earliest), max(latest, stored.latest)
+        given = [each.radii for each in self.measurements if each.radii is not None]
+        radii = np.unique(np.concatenate([*given, [problem.units.length]])) / problem.units.length
+        coarse = replace(problem, rtol=MARCH_RTOL_FACTOR * self.rtol)
+        marches[key] = March.compute(coarse, clock, earliest, latest, radii)
+        LOG.info("     fit  %d marches ...", len(marches))
+        return marches[key]
 
     def _histories(self, x: Array) -> list[Weighted]:
         """Return histories and their weights in the one at coordinates (m,).
@@ -285,13 +270,13 @@ class Model:
         """
         situations = [(weight, *self._situation(node)) for weight, node in self._nodes(x)]
         return [
-            Weighted(weight, self.solver.history(scene, reading), scene.problem)
+            Weighted(weight, self.history(scene, reading), scene.problem)
             for weight, scene, reading in situations
         ]
 
     def _nodes(self, x: Array) -> Iterator[tuple[float, Array]]:
         """Yield the lattice points (m,) around coordinates (m,), each with its weight."""
-        if self.solver.direct:
+        if self.direct:
             yield 1.0, x
             return
         to_lattice, from_lattice = self._lattice
@@ -299,7 +284,7 @@ class Model:
         # at a lattice point, the weights of all other points become exactly 0
         rounded = np.round(positions)
         exact = np.where(np.abs(positions - rounded) < 1e-9, rounded, positions)
-        stencil = SHORT_STENCIL if self.solver.rough and len(positions) > 1 else STENCIL
+        stencil = SHORT_STENCIL if self.rough and len(positions) > 1 else STENCIL
         below = np.floor(exact)
         weights = [lagrange(float(fraction), stencil) for fraction in exact - below]
         for corner in product(range(len(stencil)), repeat=len(positions)):
@@ -403,7 +388,7 @@ class Model:
         unit = (part.problem if problem.loading.varies else problem).units.time
         times = since / (unit * clock_of(problem) / clock_of(part.problem))
         step /= problem.units.time
-        sampled: dict[str, Array] = self.solver.once(
+        sampled: dict[str, Array] = self.once(
             "sample",
             (part.history, times.tobytes(), radii.tobytes(), step, names),
             lambda: part.history.sample(times, radii, step, names),

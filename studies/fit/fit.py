@@ -256,7 +256,7 @@ def _intervals(
         try:
             intervals |= profiles.intervals(not_quadratic)
         except BetterPointError as error:
-            best = likelihood.best_from(error.point.x)
+            best = likelihood.best_from(error.args[0].x)
             continue
         break
     return best, profiles, intervals

@@ -39,19 +39,14 @@ KEYS = (
 # keys of each layer that can be fitted
 LAYER_KEYS = ("thickness", "youngs_modulus")
 NUISANCES = {
-    "start_time": ("time", "time at which sliding began, by the clock of the data", "start_time"),
-    "sensor_offset": (
-        "displacement",
-        "reading of the displacement sensor without indentation",
-        "offset",
-    ),
-    "machine_compliance": (
-        "compliance",
-        "displacement of the machine under a unit force",
-        "compliance",
-    ),
+    # time at which sliding began, by the clock of the data
+    "start_time": ("time", "start_time"),
+    # reading of the displacement sensor without indentation
+    "sensor_offset": ("displacement", "offset"),
+    # displacement of the machine under a unit force
+    "machine_compliance": ("compliance", "compliance"),
 }
-"""Unknowns of the rig, each with the kind of its unit, a description and its field in `Reading`."""
+"""Unknowns of the rig, each with the kind of its unit and its field in `Reading`."""
 WEAR = "punch.wear_"
 
 
@@ -88,16 +83,8 @@ def find_parameters(scene: Scene, names: Sequence[str]) -> tuple[Scene, tuple[Pa
     table, parameters = _table(scene), list[Parameter]()
     for name in names:
         if name in NUISANCES:
-            parameters.append(
-                Parameter(
-                    name,
-                    NUISANCES[name][2],
-                    value=0.0,
-                    reach=REACH,
-                    logarithmic=False,
-                    unit=NUISANCES[name][0],
-                )
-            )
+            unit, field = NUISANCES[name]
+            parameters.append(Parameter(name, field, 0.0, REACH, logarithmic=False, unit=unit))
             continue
         parameters += [
             Parameter(key, _change_of(key, scene), float(looked_up(table, key)), unit=_kind(key))
