@@ -65,8 +65,8 @@ class Measurement:
         They are equal to roundoff, which a conversion of units may leave.
         """
         rows = [(each.column, each.ring, len(each.values)) for each in (self, other)]
-        numbers = [
+        own, others = (
             np.concatenate([each.times, each.values, () if each.radii is None else each.radii])
             for each in (self, other)
-        ]
-        return rows[0] == rows[1] and np.allclose(*numbers, rtol=1e-12, atol=0.0)
+        )
+        return rows[0] == rows[1] and np.allclose(own, others, rtol=1e-12, atol=0.0)

@@ -48,7 +48,7 @@ COARSE = 0.7
 
 
 def factor(
-    change: Change,
+    change: Change | str,
     starts: tuple[float, ...] = FACTORS,
     reach: float = math.log(1e9),
     spacing: float = 0.4,

@@ -354,7 +354,7 @@ class Model:
                 for part in histories
             ]
             predicted, force = (
-                sum(weight * sample[name] for weight, sample in samples)
+                np.sum([weight * sample[name] for weight, sample in samples], axis=0)
                 for name in (each.quantity, "normal_force")
             )
             if each.quantity == "worn_volume":
