@@ -84,9 +84,10 @@ def shape_numbers(scene: Scene) -> Array:
     layers = ground.share, *ground.thicknesses, *ground.poisson_ratios
     moduli = np.minimum(ground.shear_moduli, 1e9)
     graded = np.array(table.radii if table else ()) / problem.units.length
-    contrasts = wear_coefficients(scene)
+    # a ring may not wear at all
+    wear = np.log(np.maximum(wear_coefficients(scene), np.finfo(float).tiny))
     radii = np.linspace(problem.inner_radius, 1.0, HEIGHTS)
-    of_march = [load_numbers(problem), np.log(contrasts / contrasts[0]), problem.profile(radii)]
+    of_march = [load_numbers(problem), wear - wear[0], problem.profile(radii)]
     moves = not is_flat(problem)
     return np.concatenate(
         [
@@ -279,13 +280,14 @@ class Model:
         if self.direct:
             yield 1.0, x
             return
-        to_lattice, from_lattice = self._lattice
+        to_lattice, from_lattice, ends = self._lattice
         positions = to_lattice @ (x - self.origin)
         # at a lattice point, the weights of all other points become exactly 0
         rounded = np.round(positions)
         exact = np.where(np.abs(positions - rounded) < 1e-9, rounded, positions)
         stencil = SHORT_STENCIL if self.rough and len(positions) > 1 else STENCIL
-        below = np.floor(exact)
+        # no point is outside the range of the parameters
+        below = np.clip(np.floor(exact), -ends - stencil[0], ends - stencil[-1])
         weights = [lagrange(float(fraction), stencil) for fraction in exact - below]
         for corner in product(range(len(stencil)), repeat=len(positions)):
             weight = prod(each[number] for each, number in zip(weights, corner, strict=True))
@@ -296,11 +298,11 @@ class Model:
                 yield weight, np.round(x + from_lattice @ (point - positions), 10)
 
     @cached_property
-    def _lattice(self) -> tuple[Array, Array]:
-        """Matrices from coordinates to positions in the lattice (K, m), and back (m, K).
+    def _lattice(self) -> tuple[Array, Array, Array]:
+        """Matrices from coordinates to positions in the lattice (K, m), and back (m, K); ends (K,).
 
         The lattice has the K directions in which the shape changes. They are those of parameters,
-        if no more parameters than these change it.
+        and end where these do, if no more parameters than these change it.
 
         Raises
         ------
@@ -325,8 +327,12 @@ class Model:
                 f"{rank} parameters besides the scale of time, and can have at most "
                 f"{MAX_DIMENSIONS} (--parameters)"
             )
-        directions = np.eye(len(spacing))[effective] if rank == effective.sum() else right[:rank]
-        return directions / spacing, spacing[:, None] * directions.T
+        directions, ends = right[:rank], np.full(rank, np.inf)
+        if rank == effective.sum():
+            directions = np.eye(len(spacing))[effective]
+            reach = np.array([each.reach for each in self.parameters])
+            ends = np.maximum(np.round(reach / spacing, 6)[effective] // 1, 2)
+        return directions / spacing, spacing[:, None] * directions.T, ends
 
     def _read(
         self, problem: Problem, reading: Reading, histories: Sequence[Weighted]
@@ -334,7 +340,6 @@ class Model:
         """Return the values (n,) of each measurement that a reading of a problem has."""
         units, values = problem.units, list[Array]()
         names = tuple(sorted({"normal_force", *(each.quantity for each in self.measurements)}))
-        with_means = any(each.means is not None for each in self.measurements)
         for each in self.measurements:
             since = reading.times(each.times[:1] if each.has_offset else each.times)
             # those of all measurements at these times, which are sampled at once
@@ -346,7 +351,7 @@ class Model:
                 ),
                 np.empty(0),
             )
-            if with_means:
+            if each.bias:
                 # radii beyond the rim, or in a hole, have the values at the edge
                 radii = np.clip(radii, problem.inner_radius + 1e-4, 1 - 1e-4)
             samples = [
