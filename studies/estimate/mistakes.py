@@ -505,12 +505,11 @@ def wear_mistakes(scene: Scene, later: bool) -> Iterator[Mistake]:
     remedy = "compare the wear coefficient of this ring with that of the scene"
     for number, value in enumerate(wear if len(wear) <= MAX_SINGLE_RINGS else (), 1):
         of_ring = multiplied(keys[number - 1])
-        if value:
-            words = f"a wear coefficient of ring {number} that is forgotten: it does not wear"
-            forgotten = choice(of_ring, FORGOTTEN)
-            yield Mistake("forgotten ring", words, remedy, (forgotten,), size=lambda _: 0.0)
+        words = f"a wear coefficient of ring {number} that is forgotten: it does not wear"
+        forgotten = choice(of_ring, FORGOTTEN)
+        yield Mistake("forgotten ring", words, remedy, (forgotten,), size=lambda _: 0.0)
         # a ring that alone has its material has a wrong ratio of wear coefficients
-        if value and wear.count(value) > 1:
+        if wear.count(value) > 1:
             words = f"a wear coefficient of ring {number} of {{0:.4g}} times ours"
             yield Mistake("wear coefficient of a ring", words, remedy, (factor(of_ring, *RATIO),))
     if edges[0] == 0 and (edges[1:-1] * 1.24 < 1).all():

@@ -84,10 +84,9 @@ def shape_numbers(scene: Scene) -> Array:
     layers = ground.share, *ground.thicknesses, *ground.poisson_ratios
     moduli = np.minimum(ground.shear_moduli, 1e9)
     graded = np.array(table.radii if table else ()) / problem.units.length
-    # a ring may not wear at all
-    wear = np.log(np.maximum(wear_coefficients(scene), np.finfo(float).tiny))
+    wear = wear_coefficients(scene)
     radii = np.linspace(problem.inner_radius, 1.0, HEIGHTS)
-    of_march = [load_numbers(problem), wear - wear[0], problem.profile(radii)]
+    of_march = [load_numbers(problem), np.log(wear / wear[0]), problem.profile(radii)]
     moves = not is_flat(problem)
     return np.concatenate(
         [
