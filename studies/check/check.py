@@ -149,17 +149,19 @@ def check(
         # mdr-grid is the paper's own algorithm, of first order: too inaccurate for a reference
         accurate = {name: entry for name, entry in ours.items() if name != "mdr-grid"}
         ours = accurate or methods_of(["mdr", "fem"])
-    memory_of_tables = sum(_numbers_at_each_time(scene, table) for table in tables.values())
-    with_fields = any(map(_fields_of, tables.values()))
+    names = [name for table in tables.values() for name in table]
+    fields = [name for name in names if name in FIELDS]
+    numbers_of_fields = COPIES_OF_FIELDS * len(fields) * len(scene.problem.radii)
+    numbers_at_a_time = numbers_of_fields + NUMBERS_OF_ERRORS * len(names)
     # our own fields are shown, but not needed to check numbers
-    if not with_fields and why_beyond_memory(scene, ours.values(), memory, memory_of_tables):
+    if not fields and why_beyond_memory(scene, ours.values(), memory, numbers_at_a_time):
         LOG.warning(
             "%d times are too many for fields: ours are left out, because the results have none",
             len(scene.wear.times),
         )
         scene = scene.changed(output__quantities=["history", "steady"])
-    how = {"without_fields": "tables without fields along the radius"} if with_fields else {}
-    refuse_beyond_memory(scene, ours.values(), memory, memory_of_tables, **how)
+    how = {"without_fields": "tables without fields along the radius"} if fields else {}
+    refuse_beyond_memory(scene, ours.values(), memory, numbers_at_a_time, **how)
     others = {name: OtherProgram.from_table(name, table, scene) for name, table in tables.items()}
     methods_of([*others.values()])  # refuses names that are more than one line
     decks = {name: reach_of_deck(programs.get(name), scene) for name in tables}
@@ -536,17 +538,6 @@ def _scene_of_tables(scene: Scene, tables: "Iterable[pd.DataFrame]") -> Scene:
         output__quantities=quantities,
         output__field_times=None,
     )
-
-
-def _fields_of(table: "pd.DataFrame") -> list[str]:
-    """Return the fields along the radius in a table."""
-    return [name for name in table if name in FIELDS]
-
-
-def _numbers_at_each_time(scene: Scene, table: "pd.DataFrame") -> float:
-    """Return about how many numbers a check of a table needs at each time of the scene."""
-    fields, columns = len(_fields_of(table)), len(table.columns)
-    return COPIES_OF_FIELDS * fields * len(scene.problem.radii) + NUMBERS_OF_ERRORS * columns
 
 
 def _with_prescribed_force(problem: Problem, solution: Solution) -> Solution:

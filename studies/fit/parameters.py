@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Sequence
-from functools import partial
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from ..crosscheck import (
     kind_of,
     place_of,
 )
-from ..estimate.parameter import Change, Parameter, Reading, Situation, looked_up, with_values
+from ..estimate.parameter import Change, Parameter, SceneChange, looked_up, with_values
 
 # a positive parameter is fitted between its value in the scene divided and multiplied by this; the
 # coordinate of another parameter, between minus and plus this
@@ -102,11 +101,8 @@ def _change_of(key: str, scene: Scene) -> Change | str:
     """Return the change of a key: an upper layer is never thinner than a scene can have it."""
     if key != "half_space.layers[0].thickness":
         return key
-    return partial(_with_first_layer, THINNEST_LAYER * scene.punch.radius)
-
-
-def _with_first_layer(least: float, scene: Scene, reading: Reading, value: float) -> Situation:
-    return with_values(scene, {"half_space.layers[0].thickness": max(value, least)}), reading
+    least = THINNEST_LAYER * scene.punch.radius
+    return SceneChange(lambda scene, value: with_values(scene, {key: max(value, least)}))
 
 
 def _with_list(scene: Scene) -> Scene:
