@@ -204,8 +204,8 @@ def _without_ring(column: str) -> str:
 
 def _ring(column: str) -> int | None:
     """Return the index of the ring of a column, from 0; None if it is of the whole punch."""
-    number = re.search(r"_(\d+)$", column)
-    return int(number[1]) - 1 if number else None
+    number = column.removeprefix(_without_ring(column))
+    return int(number[1:]) - 1 if number else None
 
 
 def _measurements(table: "DataFrame", density: float) -> list[Measurement]:

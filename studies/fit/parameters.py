@@ -79,7 +79,9 @@ def find_parameters(scene: Scene, names: Sequence[str]) -> tuple[Scene, tuple[Pa
         scene = _with_list(scene)
     if "punch.wear_ratio" in names:
         scene = _with_ratio(scene)
-    table, parameters = _table(scene), list[Parameter]()
+    table, parameters = scene.table(), list[Parameter]()
+    # the scene may not mention it
+    table["load"].setdefault("sliding_speed", scene.load_.sliding_speed)
     for name in names:
         if name in NUISANCES:
             unit, field = NUISANCES[name]
@@ -147,13 +149,6 @@ def _with_ratio(scene: Scene) -> Scene:
         )
     first, second = punch.wear_coefficients
     return scene.changed({"punch.wear_coefficient": first, "punch.wear_ratio": second / first})
-
-
-def _table(scene: Scene) -> TomlTable:
-    """Return the scene as nested dictionaries, with a sliding speed that it does not mention."""
-    table = scene.table()
-    table["load"].setdefault("sliding_speed", scene.load_.sliding_speed)
-    return table
 
 
 def _key_and_index(name: str) -> tuple[str, int | None]:

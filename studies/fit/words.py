@@ -28,14 +28,8 @@ MAX_DEVIATION_OF_MEAN = 0.25
 
 def conclusions_of_fit(fit: "Fit") -> tuple[str, ...]:
     """Return sentences on the estimates, on what the data do not determine, and on the model."""
-    names = fit.scene.unit_names
-    groups = (
-        _estimates(fit, names),
-        _combinations(fit, names),
-        _correlation(fit, names),
-        _quality(fit, names),
-    )
-    return tuple(line for group in groups for line in group)
+    parts = _estimates, _combinations, _correlation, _quality
+    return tuple(line for part in parts for line in part(fit, fit.scene.unit_names))
 
 
 def _estimates(fit: "Fit", names: UnitNames) -> Iterator[str]:
