@@ -23,6 +23,7 @@ from ..crosscheck import (
     Folder,
     Problem,
     Result,
+    Results,
     Scene,
     Solution,
     Source,
@@ -45,6 +46,7 @@ from ..decks.reports import reach_of_deck
 from ..estimate.compared import PRINTED, Comparison
 from ..estimate.diagnose import diagnose
 from ..estimate.diagnosis import EXPLAINS, REDUCES, Diagnosis
+from ..estimate.model import unit_of
 from ..study.own import element_named
 from ..tables.writing import as_json, write_csv
 from .errors import ErrorAtTime, best, errors_at_times
@@ -251,6 +253,7 @@ class Check(AnswersGuesses):
             return first
         if self.refinements and not self.is_within(program):
             first += self._error_of_mesh()
+        compared = replace(compared, mesh_results=self._results_on_mesh(compared))
         others = diagnose(compared, self.decks.get(program))
         nothing_explains = not first and all(each.judgement == REDUCES for each in others)
         if nothing_explains and rows and not self.is_within(program):
@@ -375,7 +378,18 @@ class Check(AnswersGuesses):
             if best(self._our_solutions, key)
         }
         times, radii = dataset["time"].values, np.asarray(dataset.get("radius", np.empty(0)))
-        return Comparison(times, radii, theirs, ours, self.scene, self.element or "P1")
+        return Comparison(times, radii, theirs, ours, self.scene)
+
+    def _results_on_mesh(self, compared: Comparison) -> Results:
+        """Return results of a mesh with nodes at the radii; empty if there is no such mesh."""
+        if compared.pressures is None:
+            return {}
+        # it loads scikit-fem, which tables without an error do not need
+        from ..wear_step.models import results_on_mesh
+
+        problem = self.scene.problem
+        found = results_on_mesh(problem, *compared.pressures, self.element or "P1")
+        return {name: values * unit_of(problem.units, name) for name, values in found.items()}
 
     @property
     def summary(self) -> dict[str, Any]:

@@ -5,7 +5,7 @@ they are no parameters of a scene or of a reading, and are found here, too.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -16,7 +16,6 @@ from ...meshes import Array, Indices
 from ..crosscheck import FIELDS, Results, Scene
 from .diagnosis import EXPLAINS, REDUCES, Diagnosis
 from .measurement import Measurement
-from .model import unit_of
 
 # quantities on which mistakes have a known effect
 PRINTED = ("displacement", "profile", "indentation", "pressure", "normal_force")
@@ -60,7 +59,7 @@ class Comparison:
     theirs, ours : pressure, displacement, profile (T, R), indentation, normal_force (T,), NaN or
         absent where they are unknown
     scene : the scene that both have solved
-    element : element of the other program, for `mesh_results`; empty if it has no mesh
+    mesh_results : results of elements with nodes at their radii, where these are known
     """
 
     times: Array
@@ -68,7 +67,7 @@ class Comparison:
     theirs: Results
     ours: Results
     scene: Scene
-    element: str = ""
+    mesh_results: Results = field(default_factory=dict)
 
     @cached_property
     def time_rows(self) -> Indices:
@@ -82,20 +81,8 @@ class Comparison:
         if "pressure" not in self.theirs:
             return None
         units = self.scene.problem.units
-        pressures = self.theirs["pressure"] / unit_of(units, "pressure")
+        pressures = self.theirs["pressure"] / units.pressure
         return self.times / units.time, self.radii / units.length, pressures
-
-    @cached_property
-    def mesh_results(self) -> Results:
-        """Results of elements with nodes at their radii; empty where these are not known."""
-        if not self.element or self.pressures is None:
-            return {}
-        # it loads scikit-fem, which tables without an error do not need
-        from ..wear_step.models import results_on_mesh
-
-        found = results_on_mesh(self.scene.problem, *self.pressures, self.element)
-        units = self.scene.problem.units
-        return {name: values * unit_of(units, name) for name, values in found.items()}
 
     @cached_property
     def part_means(self) -> Array:

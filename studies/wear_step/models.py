@@ -10,7 +10,6 @@ import numpy as np
 from ...meshes import Array, MeshError
 from ..crosscheck import Problem
 from ..estimate.histories import worn_at_nodes
-from ..estimate.model import is_flat
 from ..study.own import ELEMENTS
 from .contact_nodes import (
     TREATMENTS,
@@ -92,7 +91,8 @@ def results_on_mesh(
     element : name of the element
     """
     models = list[ContactNodes]()
-    if is_flat(problem) and not problem.loading.varies and FEWEST_RADII <= len(radii) <= MOST_RADII:
+    steady_load = problem.full_contact and not problem.keeps_contact and not problem.loading.varies
+    if steady_load and FEWEST_RADII <= len(radii) <= MOST_RADII:
         models = _models(problem, radii, element)
     best, found = np.inf, dict[str, Array]()
     for nodes, treatment, side in product(models, TREATMENTS, (-1, 0, 1)):
