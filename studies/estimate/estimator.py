@@ -9,9 +9,10 @@ likelihood is described by chi-square, ``r^T C^-1 r`` for residuals r.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import block_diag
 from scipy.optimize import least_squares
 
@@ -96,7 +97,7 @@ class Likelihood:
             parts.append(1 - 1 / np.sqrt(1 + (deviation * length) ** 2))
         return block_diag(*columns), np.array(parts)
 
-    def split(self, values: Array) -> list[Array]:
+    def split(self, values: NDArray[Any]) -> list[NDArray[Any]]:
         """Return the parts of values (n,) that belong to each measurement."""
         return np.split(values, np.cumsum([len(each.values) for each in self.measurements])[:-1])
 
