@@ -8,7 +8,7 @@ import numpy as np
 from ..crosscheck import DISAGREE, Account, Rows
 from ..figures.scale import Scale
 from .errors import QuantityError, quantity_errors
-from .other_program import ASK_FOR_ROWS
+from .other_program import ASK_FOR_ROWS, ROWS
 
 if TYPE_CHECKING:
     from ..figures.style import Picture
@@ -94,12 +94,11 @@ class CheckAccount(Account):
         edges = self.scene.problem.ring_edges[1:] * self.scene.problem.units.length
         near = np.abs(edges - worst.largest.radius).min() < NEAR_EDGE * edges[-1]
         at_edge = worst.largest.quantity == "pressure" and near
-        program_of = self.check.others[program]
         # decks solve single states, without updates of the wear
         few_rows = (
             worst.largest.quantity == "pressure"
-            and program not in self.check.decks
-            and program_of.has_few_rows(self.scene)
+            and not self.check.decks.get(program)
+            and len(self.check.compared(program).times) < ROWS
         )
         return (
             f"{line}{f', at {place}' if place else ''}"

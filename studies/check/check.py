@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...meshes import Array, RingwearError, SceneError
+from ...meshes import RingwearError, SceneError
 from ..crosscheck import (
     FIELDS,
     LOG,
@@ -23,6 +23,7 @@ from ..crosscheck import (
     Folder,
     Problem,
     Result,
+    Results,
     Scene,
     Solution,
     Source,
@@ -43,14 +44,15 @@ from ..crosscheck import (
 )
 from ..decks.reports import reach_of_deck
 from ..estimate.compared import PRINTED, Comparison
-from ..estimate.diagnose import EXPLAINS, REDUCES, Diagnosis, diagnose, unexplained
+from ..estimate.diagnose import diagnose
+from ..estimate.diagnosis import EXPLAINS, REDUCES, Diagnosis
 from ..estimate.model import unit_of
 from ..study.own import element_named
 from ..tables.writing import as_json, write_csv
 from .errors import ErrorAtTime, best, errors_at_times
 from .other_program import OtherProgram
 from .refinement import Refinement, order_in_words, refinements
-from .sawtooth import diagnosis_of, sawtooth_of
+from .sawtooth import mistake_of_steps
 from .tables import NoTimesError, OthersResults, are_steps, by_name, read, without_number
 
 if TYPE_CHECKING:
@@ -149,28 +151,23 @@ def check(
         # mdr-grid is the paper's own algorithm, of first order: too inaccurate for a reference
         accurate = {name: entry for name, entry in ours.items() if name != "mdr-grid"}
         ours = accurate or methods_of(["mdr", "fem"])
-    memory_of_tables = sum(_numbers_at_each_time(scene, table) for table in tables.values())
-    with_fields = any(map(_fields_of, tables.values()))
+    names = [name for table in tables.values() for name in table]
+    fields = [name for name in names if name in FIELDS]
+    numbers_of_fields = COPIES_OF_FIELDS * len(fields) * len(scene.problem.radii)
+    numbers_at_a_time = numbers_of_fields + NUMBERS_OF_ERRORS * len(names)
     # our own fields are shown, but not needed to check numbers
-    if not with_fields and why_beyond_memory(scene, ours.values(), memory, memory_of_tables):
+    if not fields and why_beyond_memory(scene, ours.values(), memory, numbers_at_a_time):
         LOG.warning(
             "%d times are too many for fields: ours are left out, because the results have none",
             len(scene.wear.times),
         )
         scene = scene.changed(output__quantities=["history", "steady"])
-    how = {"without_fields": "tables without fields along the radius"} if with_fields else {}
-    refuse_beyond_memory(scene, ours.values(), memory, memory_of_tables, **how)
+    how = {"without_fields": "tables without fields along the radius"} if fields else {}
+    refuse_beyond_memory(scene, ours.values(), memory, numbers_at_a_time, **how)
     others = {name: OtherProgram.from_table(name, table, scene) for name, table in tables.items()}
     methods_of([*others.values()])  # refuses names that are more than one line
-    reaches = {name: reach_of_deck(programs.get(name), scene) for name in tables}
-    return Check(
-        computed(scene, ours),
-        others,
-        within,
-        sizes,
-        {name: reach for name, reach in reaches.items() if reach is not None},
-        element,
-    )
+    decks = {name: reach_of_deck(programs.get(name), scene) for name in tables}
+    return Check(computed(scene, ours), others, within, sizes, decks, element)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -185,7 +182,7 @@ class Check(AnswersGuesses):
     sizes : of elements or steps, if all results are of one program, from coarse to fine, so that
         only the last one is judged; otherwise empty
     decks : radius of the half-space, in punch radii, of results of decks of this scene by
-        `ringwear deck`, by the name of the results
+        `ringwear deck`, by the name of the results; None of other results
     element : elements of the other programs; None if they are not known
     """
 
@@ -193,7 +190,7 @@ class Check(AnswersGuesses):
     others: Mapping[str, OtherProgram]
     within: float
     sizes: tuple[float, ...] = ()
-    decks: Mapping[str, float] = field(default_factory=dict)
+    decks: Mapping[str, float | None] = field(default_factory=dict)
     element: str | None = None
 
     @property
@@ -239,7 +236,8 @@ class Check(AnswersGuesses):
         names = self.judged if program is None else (program,)
         for name in names:
             if name not in self._mistakes:
-                self._mistakes[name] = self._mistakes_of(name)
+                found = self._mistakes_of(name)
+                self._mistakes[name] = [replace(each, program=name) for each in found]
         mistakes = [mistake for name in names for mistake in self._mistakes[name]]
         return sorted(mistakes, key=lambda mistake: -mistake.share)
 
@@ -249,19 +247,18 @@ class Check(AnswersGuesses):
         A sawtooth of pressures hides all other mistakes that do not change indentation or force.
         """
         LOG.info("   check  trying mistakes that may explain the errors of %s ...", program)
-        rows, first = self.rows_of(program), []
-        if found := sawtooth_of(self.scene, self.others[program], self.element):
-            arguments = self.scene, self.others[program], found, rows, self.within
-            first = [diagnosis_of(*arguments)]
-            if first[0].judgement == EXPLAINS:
-                return first
+        rows, compared = self.rows_of(program), self.compared(program)
+        first = mistake_of_steps(compared, rows, self.within, self.element)
+        if first and first[0].judgement == EXPLAINS:
+            return first
         if self.refinements and not self.is_within(program):
             first += self._error_of_mesh()
-        others = diagnose(self._compared(program), self.decks.get(program))
+        compared = replace(compared, mesh_results=self._results_on_mesh(compared))
+        others = diagnose(compared, self.decks.get(program))
         nothing_explains = not first and all(each.judgement == REDUCES for each in others)
         if nothing_explains and rows and not self.is_within(program):
-            others.append(unexplained(self.texts.next_step(program)))
-        return [replace(each, program=program) for each in (*first, *others)]
+            others.append(Diagnosis(confirm=self.texts.next_step(program), share=0.0))
+        return first + others
 
     def _error_of_mesh(self) -> list[Diagnosis]:
         """Return the diagnosis of the mesh if all results of a refinement converge to ours.
@@ -281,8 +278,8 @@ class Check(AnswersGuesses):
         # what remains if the size is reduced once more
         remaining = error * float(sizes[-1] / sizes[-2]) ** order
         confirm = "reduce the size once more: the errors decrease as before"
-        numbers = float(sizes[-1]), np.nan, np.nan, 1.0
-        return [Diagnosis("mesh", *numbers, EXPLAINS, looks_like, error, remaining, "", confirm)]
+        size = float(sizes[-1])
+        return [Diagnosis("mesh", size, EXPLAINS, looks_like, error, remaining, confirm)]
 
     @cached_property
     def _mistakes(self) -> dict[str, list[Diagnosis]]:
@@ -361,7 +358,7 @@ class Check(AnswersGuesses):
         """Convergence of each quantity, if the results are a refinement."""
         return tuple(refinements(self.rows, tuple(self.others), self.sizes)) if self.sizes else ()
 
-    def _compared(self, program: str) -> Comparison:
+    def compared(self, program: str) -> Comparison:
         """Return the results of a program, and ours at its times and radii.
 
         Quantities on which mistakes have no known effect are left out.
@@ -381,21 +378,18 @@ class Check(AnswersGuesses):
             if best(self._our_solutions, key)
         }
         times, radii = dataset["time"].values, np.asarray(dataset.get("radius", np.empty(0)))
-        pressures = theirs.get("pressure")
-        on_mesh = {} if pressures is None else self._results_on_mesh(times, radii, pressures)
-        return Comparison(times, radii, theirs, ours, self.scene, on_mesh)
+        return Comparison(times, radii, theirs, ours, self.scene)
 
-    def _results_on_mesh(self, times: Array, radii: Array, pressures: Array) -> dict[str, Array]:
+    def _results_on_mesh(self, compared: Comparison) -> Results:
         """Return results of a mesh with nodes at the radii; empty if there is no such mesh."""
+        if compared.pressures is None:
+            return {}
         # it loads scikit-fem, which tables without an error do not need
         from ..wear_step.models import results_on_mesh
 
-        problem, element = self.scene.problem, self.element or "P1"
-        units = problem.units
-        pressures = pressures / unit_of(units, "pressure")
-        times, radii = times / units.time, radii / units.length
-        found = results_on_mesh(problem, times, radii, pressures, element)
-        return {name: values * unit_of(units, name) for name, values in found.items()}
+        problem = self.scene.problem
+        found = results_on_mesh(problem, *compared.pressures, self.element or "P1")
+        return {name: values * unit_of(problem.units, name) for name, values in found.items()}
 
     @property
     def summary(self) -> dict[str, Any]:
@@ -427,16 +421,15 @@ class Check(AnswersGuesses):
 
     @property
     def pictures(self) -> "list[Picture]":
-        """The figures of a check, those that show their results first."""
+        """The figures that can be drawn, those that show their results first."""
         from .pictures import pictures
 
-        return pictures(self)
+        return [picture for picture in pictures(self) if picture.drawn_for(self.together)]
 
     @property
     def plots(self) -> tuple[str, ...]:
         """The figures that `plot` can draw."""
-        pictures = (each for each in self.pictures if each.drawn_for(self.together))
-        return tuple(picture.name for picture in pictures)
+        return tuple(picture.name for picture in self.pictures)
 
     def plot(self, kind: str = "") -> "Figure":
         """Draw a figure: one of `plots`, by default the first.
@@ -448,8 +441,7 @@ class Check(AnswersGuesses):
         """
         from ..figures.style import picture_of
 
-        drawn = [picture for picture in self.pictures if picture.drawn_for(self.together)]
-        return picture_of(drawn, kind).figure(self.together)
+        return picture_of(self.pictures, kind).figure(self.together)
 
     def save(self, folder: str | Path) -> list[str]:
         """Write the files of ``ringwear check --out folder``; return their names.
@@ -560,17 +552,6 @@ def _scene_of_tables(scene: Scene, tables: "Iterable[pd.DataFrame]") -> Scene:
         output__quantities=quantities,
         output__field_times=None,
     )
-
-
-def _fields_of(table: "pd.DataFrame") -> list[str]:
-    """Return the fields along the radius in a table."""
-    return [name for name in table if name in FIELDS]
-
-
-def _numbers_at_each_time(scene: Scene, table: "pd.DataFrame") -> float:
-    """Return about how many numbers a check of a table needs at each time of the scene."""
-    fields, columns = len(_fields_of(table)), len(table.columns)
-    return COPIES_OF_FIELDS * fields * len(scene.problem.radii) + NUMBERS_OF_ERRORS * columns
 
 
 def _with_prescribed_force(problem: Problem, solution: Solution) -> Solution:

@@ -172,7 +172,7 @@ class QuantityError:
     @property
     def found(self) -> bool:
         """Whether the error is larger than our error estimate at some time."""
-        return abs(self.worst.error) > self.worst.stated
+        return self.excess > 0
 
     @property
     def error(self) -> str:

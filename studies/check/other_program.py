@@ -3,10 +3,8 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
 import pandas as pd
 
-from ...meshes import Array
 from ..crosscheck import FIELDS, QUANTITIES, Method, Problem, Results, Scene, Solution, Stages
 
 ROWS = 10
@@ -45,28 +43,6 @@ class OtherProgram(Method):
                 series = series.unstack().reindex(columns=scene.output.radii)
             values[quantity] = series.reindex(scene.wear.times).to_numpy()
         return cls(name, values)
-
-    def pressures(self, scene: Scene) -> tuple[Array, Array, Array] | None:
-        """Return times (T,), radii (R,) and pressures (T, R), non-dimensional.
-
-        Rows and radii without values are left out; None without pressures.
-        """
-        if "pressure" not in self.values:
-            return None
-        pressures, units = np.asarray(self.values["pressure"], dtype=float), scene.problem.units
-        finite = np.isfinite(pressures)
-        rows = finite.any(axis=1)
-        columns = finite[rows].all(axis=0)
-        if not columns.any():
-            return None
-        times = np.asarray(scene.wear.times)[rows] / units.time
-        radii = np.asarray(scene.output.radii)[columns] / units.length
-        return times, radii, pressures[np.ix_(rows, columns)] / units.pressure
-
-    def has_few_rows(self, scene: Scene) -> bool:
-        """Return whether there are pressures, but at too few times to see a sawtooth."""
-        table = self.pressures(scene)
-        return table is not None and len(table[0]) < ROWS
 
     def solve(self, problem: Problem, stages: Stages) -> Solution:
         """Return the results of the program, non-dimensional."""

@@ -5,16 +5,16 @@ Where negative pressures are set to zero, the jumps saturate between zero and ab
 pressure, and the indentation remains right. The tables have consecutive updates.
 """
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from ...meshes import Array
-from ..crosscheck import Scene
-from ..estimate.diagnose import EXPLAINS, REDUCES, Diagnosis
+from ..estimate.compared import Comparison
+from ..estimate.diagnosis import EXPLAINS, REDUCES, Diagnosis
 from ..study.own import ELEMENTS
-from .other_program import ROWS, OtherProgram
+from .other_program import ROWS
 
 if TYPE_CHECKING:
     from .errors import ErrorAtTime
@@ -33,8 +33,7 @@ FEWEST_RADII = 3
 """Least number of radii of a table."""
 
 
-@dataclass(frozen=True)
-class Sawtooth:
+class Sawtooth(NamedTuple):
     """Pressures that jump up and down from update to update.
 
     Parameters
@@ -42,19 +41,15 @@ class Sawtooth:
     size : of the jumps at the worst radius, over the mean pressure
     number : number of that radius
     step : mean step between the rows
-    limit : the longest stable step of a mesh with nodes at the radii; NaN if none can be made
-    element : element of that mesh
     """
 
     size: float
     number: int
     step: float
-    limit: float = np.nan
-    element: str = ""
 
 
 def find(times: Array, pressures: Array, mean: float) -> Sawtooth | None:
-    """Return the last sawtooth in a table, without its limit; None without one.
+    """Return the last sawtooth in a table; None without one.
 
     Far beyond the limit pressures are irregular, and some rows show it, but others do not.
 
@@ -73,7 +68,7 @@ def find(times: Array, pressures: Array, mean: float) -> Sawtooth | None:
 
 
 def _in_rows(times: Array, pressures: Array, mean: float) -> Sawtooth | None:
-    """Return the sawtooth in some rows, without its limit; None if there is none."""
+    """Return the sawtooth in some rows; None if there is none."""
     # half the distances (T - 2, R) from lines through the rows before and after
     shares = ((times[1:-1] - times[:-2]) / (times[2:] - times[:-2]))[:, None]
     bent = (pressures[1:-1] - (1 - shares) * pressures[:-2] - shares * pressures[2:]) / 2
@@ -94,76 +89,62 @@ def _in_rows(times: Array, pressures: Array, mean: float) -> Sawtooth | None:
     return Sawtooth(size, number, float(np.diff(times).mean()))
 
 
-def sawtooth_of(scene: Scene, program: OtherProgram, element: str | None) -> Sawtooth | None:
-    """Return the sawtooth in the last rows of a program, and the step that its mesh allows.
+def mistake_of_steps(
+    comparison: Comparison,
+    rows: "list[ErrorAtTime]",
+    within: float,
+    element: str | None,
+) -> list[Diagnosis]:
+    """Return the mistake of too long a wear step, if the last rows of a program have a sawtooth.
 
     Parameters
     ----------
-    scene : the scene, at the times and radii of all programs
-    program : its results
-    element : element of the program, if it is known
-    """
-    table = program.pressures(scene)
-    if table is None:
-        return None
-    problem, radii = scene.problem, table[1]
-    times, pressures = (values[-LAST_ROWS:] for values in table[::2])
-    area = np.pi * (1 - problem.inner_radius**2)
-    mean = float(problem.loading.at(times[-1:]).force[0]) / area
-    found = find(times, pressures, mean)
-    if found is None or problem.loading.varies or not problem.full_contact:
-        return found
-    # it loads scikit-fem, which tables without a sawtooth do not need
-    from ..wear_step.models import limit_of_models
-
-    limit, model = limit_of_models(problem, times, radii, pressures, element)
-    return replace(found, limit=limit, element=model)
-
-
-def diagnosis_of(
-    scene: Scene, program: OtherProgram, found: Sawtooth, rows: "list[ErrorAtTime]", within: float
-) -> Diagnosis:
-    """Return the mistake of too long a wear step, in words.
-
-    Parameters
-    ----------
-    scene, program : as in `sawtooth_of`
-    found : the sawtooth
+    comparison : results of the program and ours
     rows : errors of the program
     within : allowed relative error
+    element : element of the program, if it is known
     """
-    names, units = scene.unit_names, scene.problem.units
-    table = program.pressures(scene)
-    assert table is not None
-    radius = names.write(float(table[1][found.number]) * units.length, "length", 3)
+    if not (given := comparison.pressures):
+        return []
+    scene, (times, radii, pressures) = comparison.scene, given
+    problem, names = scene.problem, scene.unit_names
+    area = np.pi * (1 - problem.inner_radius**2)
+    mean = float(problem.loading.at(times[-1:]).force[0]) / area
+    # without rows and radii that have no values
+    table = pd.DataFrame(pressures, times, radii).dropna(how="all").dropna(axis="columns")
+    table = table.tail(LAST_ROWS)
+    times, radii, pressures = (np.asarray(each) for each in (table.index, table.columns, table))
+    if (found := find(times, pressures, mean)) is None:
+        return []
+    limit, model, allowed = np.nan, "", ""
+    if problem.full_contact and not problem.loading.varies:
+        # it loads scikit-fem, which tables without a sawtooth do not need
+        from ..wear_step.models import limit_of_models
+
+        limit, model = limit_of_models(problem, times, radii, pressures, element)
+    if np.isfinite(limit):
+        longest = names.write(limit * problem.units.time, "time", 2)
+        allowed = f", at most about {longest} for {model} with nodes at these radii"
+    radius = names.write(float(radii[found.number]) * problem.units.length, "length", 3)
     histories = [abs(row.error) for row in rows if not np.isfinite(row.radius)]
     remaining = max(histories, default=0.0)
-    right = "indentation and force are right, but the pressures are not: " if histories else ""
-    if remaining > within:
-        right = ""
-    step = names.write(found.step * units.time, "time", 3)
-    allowed = ""
-    if np.isfinite(found.limit):
-        limit = names.write(found.limit * units.time, "time", 2)
-        allowed = f", at most about {limit} for {found.element} with nodes at these radii"
+    explains = bool(histories) and remaining <= within
+    right = "indentation and force are right, but the pressures are not: " if explains else ""
+    step = names.write(found.step * problem.units.time, "time", 3)
     text = (
         f"{right}at r = {radius} the pressure jumps up and down from row to row, by "
         f"{100 * found.size:.2g} % of the mean pressure, as if the wear step of {step} were longer "
         f"than the mesh allows{allowed}"
     )
-    element = f" --element {found.element}" if found.element in ELEMENTS else ""
-    return Diagnosis(
+    option = f" --element {model}" if model in ELEMENTS else ""
+    diagnosis = Diagnosis(
         TOO_LONG,
-        found.limit * units.time,
-        np.nan,
-        np.nan,
-        1.0,
-        EXPLAINS if histories and remaining <= within else REDUCES,
+        limit * problem.units.time,
+        EXPLAINS if explains else REDUCES,
         text,
         max((abs(row.error) for row in rows if np.isfinite(row.error)), default=remaining),
         remaining,
-        "",
         "update the wear in half the step, or less: the sawtooth decays; ringwear plan SCENE "
-        f"--mesh FILE{element} gives the longest stable step of your mesh",
-        program.name,
+        f"--mesh FILE{option} gives the longest stable step of your mesh",
     )
+    return [diagnosis]

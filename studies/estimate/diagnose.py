@@ -1,16 +1,15 @@
 """Explain the difference of another program's results to ours by mistakes, in words."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ...meshes import Array
-from .compared import Comparison, relative
-from .measurement import Measurement
-from .mesh_patterns import PATTERNS, in_columns, patterns
-from .mistakes import mesh_part, mistakes, named, sentence
+from .compared import PATTERNS, USUAL_ERROR, Comparison, in_columns, patterns, relative
+from .diagnosis import EQUALLY, EXPLAINS, REDUCES, Diagnosis
+from .mistakes import mesh_part, mistakes, named, sentence, written_out
 from .model import Model
 from .select import (
     ALIKE,
@@ -26,15 +25,14 @@ from .select import (
 
 # tolerance of the model: errors of other programs are greater
 RTOL = 1e-2
-# relative error that is assumed of another program if that of its mesh is not known, and least one
-# if it is
-USUAL_ERROR, LEAST_ERROR = 0.03, 0.01
+# least relative error that is assumed of another program
+LEAST_ERROR = 0.01
 # factor on the estimated errors of both programs up to which a mistake explains the difference
 TRUST = 1.5
 # relative difference of two predictions below which they count as alike
 MAX_ALIKE_DIFFERENCE = 0.02
-# least share of a mistake that is named beside a better one, and greatest number of these
-MIN_SHARE, MOST_NAMED = 0.15, 4
+# greatest number of mistakes that are named, and least share of a part of one
+MOST_NAMED, MIN_SHARE = 4, 0.15
 # greatest factor on what the best mistake leaves that another one leaves that is named with it
 MOST_WORSE = 3.0
 # difference of the score up to which a mistake explains the data as well as another one
@@ -48,62 +46,6 @@ OTHERS_FACTOR = 3.0
 MIN_EXPLAINED, MIN_REDUCED = 0.7, 0.04
 # greatest part of the difference of a column that remains if it is written wrongly
 MOST_REMAINING = 1 / 3
-EXPLAINS, EQUALLY, REDUCES = "explains", "explain equally well", "reduces"
-"""What is said about a mistake and the difference of two results."""
-
-
-@dataclass(frozen=True)
-class Diagnosis:
-    """A mistake that may have been made.
-
-    Parameters
-    ----------
-    name : of the mistake; empty if none that is known explains the difference
-    size : number that describes the mistake, such as a factor
-    low, high : ends of its 95 % interval, if the mistake was made; NaN if it has no fitted number
-    share : of the mistake among all that are known, by what remains, times the square of the part
-        of the difference that it explains; no probability
-    judgement : "explains": what remains is within the estimated errors of both programs; "explain
-        equally well": so does a rival; otherwise "reduces"
-    looks_like : what the difference looks like, with the number, as a noun phrase
-    before, remaining : greatest relative difference, and what remains with this mistake
-    rival : another mistake that explains as much; empty if there is none
-    confirm : what would confirm the mistake
-    program : whose results have the difference
-    """
-
-    name: str
-    size: float
-    low: float
-    high: float
-    share: float
-    judgement: str
-    looks_like: str
-    before: float
-    remaining: float
-    rival: str
-    confirm: str
-    program: str = ""
-
-    @property
-    def words(self) -> str:
-        """All of this in a sentence."""
-        if not self.name:
-            return f"no mistake that we know explains the difference: {self.confirm}"
-        interval = "" if np.isnan(self.low) else f" (95 %: {self.low:.4g} to {self.high:.4g})"
-        if self.judgement == EQUALLY:
-            return (
-                f"{self.looks_like}{interval}: this and {self.rival} explain the difference "
-                f"equally well. To confirm: {self.confirm}"
-            )
-        remains = f"{100 * self.remaining:.2g} %"
-        says = f"explains the difference (what remains is {remains})"
-        if self.judgement == REDUCES:
-            says = (
-                f"reduces the difference from {100 * self.before:.2g} % to {remains}, but does not "
-                "explain it"
-            )
-        return f"{self.looks_like}{interval}, which {says}. To confirm: {self.confirm}"
 
 
 def diagnose(comparison: Comparison, deck_reach: float | None = None) -> list[Diagnosis]:
@@ -121,7 +63,7 @@ def diagnose(comparison: Comparison, deck_reach: float | None = None) -> list[Di
         Empty if nothing that is known explains the difference, or if it is below the `rtol` of the
         scene. What cannot be computed is left out, with a warning.
     """
-    if not comparison.quantities or _greatest_error(comparison) <= comparison.scene.accuracy.rtol:
+    if not _differ(comparison):
         return []
     # the matrices are so small that several threads would only wait for each other
     with threadpool_limits(1), left_out("every mistake"):
@@ -134,16 +76,12 @@ def _ranked(comparison: Comparison, deck_reach: float | None) -> list[Diagnosis]
     model, of_mesh = model_of(comparison), (mesh_part(),) * bool(comparison.mesh_results)
     candidates = select(model, list(mistakes(comparison)), of_mesh)
     (none,) = (each for each in candidates if each.mistake is None)
-    with left_out("a column"):
-        if diagnoses := _in_column(comparison, none):
-            return diagnoses
+    if diagnoses := _in_column(comparison, none):
+        return diagnoses
     diagnoses = _diagnoses(candidates, none, comparison, deck_reach is not None)
     if deck_reach is not None:
         diagnoses = [part for each in diagnoses for part in _split_by_reach(each, deck_reach)]
-    named_mistakes = {each.name for each in diagnoses}
-    with left_out("the mesh"):
-        found = _patterns_of_mesh(candidates[0], none, comparison)
-        diagnoses += [each for each in found if each.name not in named_mistakes]
+    diagnoses += _patterns_of_mesh(candidates[0], none, comparison)
     return sorted(diagnoses, key=lambda each: -each.share)
 
 
@@ -152,28 +90,13 @@ def _in_column(comparison: Comparison, none: Candidate) -> list[Diagnosis]:
     tried = list(in_columns(comparison))
     if not tried:
         return []
-    best = min(tried, key=lambda each: each.remaining / (each.before or 1.0))
+    column, best = min(tried, key=lambda each: each[1].remaining / (each[1].before or 1.0))
     allowed = dict(zip(comparison.quantities, _allowed(comparison), strict=True))
     others = zip(comparison.quantities, none.errors, strict=True)
-    agree = all(error <= allowed[name] for name, error in others if name != best.column)
+    agree = all(error <= allowed[name] for name, error in others if name != column)
     if not agree or best.remaining > MOST_REMAINING * best.before or best.before < USUAL_ERROR:
         return []
-    judgement = EXPLAINS if best.remaining <= USUAL_ERROR else REDUCES
-    return [
-        Diagnosis(
-            best.name,
-            best.size,
-            np.nan,
-            np.nan,
-            1.0,
-            judgement,
-            best.sentence,
-            best.before,
-            best.remaining,
-            "",
-            best.remedy,
-        )
-    ]
+    return [best]
 
 
 def _allowed(comparison: Comparison) -> Array:
@@ -186,67 +109,37 @@ def _allowed(comparison: Comparison) -> Array:
 
 
 def _patterns_of_mesh(best: Candidate, none: Candidate, comparison: Comparison) -> list[Diagnosis]:
-    """Return the patterns of a mesh in the pressures that the best candidate does not explain."""
-    if "pressure" not in comparison.quantities:
+    """Return the patterns of a mesh in the pressures, if the best candidate does not change them.
+
+    Errors of pressures are not what is wrong, either, if those of another column are much greater.
+    """
+    errors = dict(zip(comparison.quantities, best.errors, strict=True))
+    changes = dict(zip(comparison.quantities, best.changes(none), strict=True))
+    if changes.get("pressure", 1.0) > MIN_EFFECT:
         return []
-    theirs = comparison.theirs["pressure"][comparison.time_rows]
-    ours = comparison.ours["pressure"][comparison.time_rows]
-    others = [
-        error
-        for name, error in zip(comparison.quantities, best.errors, strict=True)
-        if name != "pressure"
-    ]
-    explained, as_it_is = (_pressures(each, comparison) for each in (best, none))
-    errors = relative(theirs, ours)
-    with np.errstate(all="ignore"):
-        unexplained_errors = relative(theirs, ours * (explained / as_it_is))
-    # the part of the errors that mistakes explain is not caused by the mesh
-    norms = float(np.linalg.norm(unexplained_errors)), float(np.linalg.norm(errors) or 1.0)
-    remaining = min(1.0, norms[0] / norms[1])
+    theirs, ours = (
+        results["pressure"][comparison.time_rows]
+        for results in (comparison.theirs, comparison.ours)
+    )
+    others = max((error for name, error in errors.items() if name != "pressure"), default=0.0)
     return [
         Diagnosis(
             name,
             size,
-            np.nan,
-            np.nan,
-            remaining * part,
             EXPLAINS,
             PATTERNS[name][0].format(size),
             size,
             size * float(np.sqrt(max(0.0, 1 - part))),
-            "",
             PATTERNS[name][1],
+            part,
         )
         for name, size, part in patterns(
-            unexplained_errors, comparison.radii, comparison.scene.punch.radius
+            relative(theirs, ours), comparison.radii, comparison.scene.punch.radius
         )
-        if remaining * part > SURE
+        if part > SURE
         and size > comparison.scene.accuracy.rtol
-        # errors of pressures are not what is wrong if those of another column are much greater
-        and max(others, default=0.0) < max(USUAL_ERROR, OTHERS_FACTOR * size)
+        and others < max(USUAL_ERROR, OTHERS_FACTOR * size)
     ]
-
-
-def _pressures(candidate: Candidate, comparison: Comparison) -> Array:
-    """Return the pressures (S, R) that a candidate predicts at their times and radii."""
-    times, radii = comparison.times[comparison.time_rows], comparison.radii
-    zeros = np.zeros(len(times) * len(radii))
-    pressures = Measurement(
-        "pressure", "pressure", times, zeros, zeros, False, radii, means=np.eye(len(radii))
-    )
-    model = candidate.likelihood.predictor
-    model = replace(model, measurements=(pressures,), known=(), mesh_errors=(np.zeros(1),))
-    return model.predict(candidate.point.x)[0].reshape(len(times), -1)
-
-
-def unexplained(where: str) -> Diagnosis:
-    """Return the diagnosis that no mistake explains the difference.
-
-    Parameters
-    ----------
-    where : the greatest error, where it is, and what to do next
-    """
-    return Diagnosis("", np.nan, np.nan, np.nan, 0.0, "", "", np.nan, np.nan, "", where)
 
 
 def _split_by_reach(diagnosis: Diagnosis, reach: float) -> list[Diagnosis]:
@@ -283,24 +176,23 @@ def _split_by_reach(diagnosis: Diagnosis, reach: float) -> list[Diagnosis]:
 
 def model_of(comparison: Comparison) -> Model:
     """Return the model of the compared numbers, which has no parameter yet."""
-    scene = comparison.scene.changed(
+    scene = written_out(comparison.scene).changed(
         output={}, wear__steady=False, wear__march="modal", wear__step=None
     )
     model = Model.of(scene, (), comparison.measurements(NOISE, BIAS), RTOL, rough=True)
     return replace(model, known=comparison.known(), mesh_errors=comparison.mesh_errors())
 
 
-def _greatest_error(comparison: Comparison) -> float:
-    """Return the greatest relative error of a quantity, over all of its times and radii."""
-    errors = [0.0]
+def _differ(comparison: Comparison) -> bool:
+    """Return whether a quantity differs by more than `rtol`, over all of its times and radii."""
     for name in comparison.quantities:
-        difference = comparison.theirs[name] - comparison.ours[name]
-        finite = np.isfinite(difference)
-        if norm := np.linalg.norm(comparison.ours[name][finite]):
-            errors.append(float(np.linalg.norm(difference[finite]) / norm))
-        elif np.any(difference[finite]):
-            errors.append(np.inf)
-    return max(errors)
+        ours = comparison.ours[name]
+        difference = comparison.theirs[name] - ours
+        known = np.isfinite(difference)
+        allowed = comparison.scene.accuracy.rtol * np.linalg.norm(ours[known])
+        if np.linalg.norm(difference[known]) > allowed:
+            return True
+    return False
 
 
 def _diagnoses(
@@ -317,66 +209,61 @@ def _diagnoses(
     if before <= LEAST_ERROR:
         # a program without a mistake may differ as much
         return []
-    found = [
-        (each, each.mistake, explained_part(each, none))
+    made = [
+        (each, each.mistake)
         for each in _without_alike(candidates)
-        if each.mistake and each.score < none.score
+        if each.mistake and each.score < none.score and explained_part(each, none) > MIN_REDUCED
     ]
-    found = [row for row in found if row[2] > MIN_REDUCED]
 
-    def explains(row: tuple[Candidate, Mistake, float]) -> bool:
-        return row[2] > MIN_EXPLAINED and bool((row[0].errors <= allowed).all())
+    def explains(candidate: Candidate) -> bool:
+        within = bool((candidate.errors <= allowed).all())
+        return within and explained_part(candidate, none) > MIN_EXPLAINED
 
     # an input that leaves about as much as the mesh is not shown to be wrong
-    most = min(each.score for each, *_ in found) + NEAR if found else 0.0
-    mesh_suffices = any(
-        row[1].name == COARSE_MESH and row[0].score <= most and explains(row) for row in found
-    )
-    if deck:
-        mesh_suffices |= any(row[1].of_mesh and row[2] > MIN_EXPLAINED for row in found)
-    if mesh_suffices:
-        found = [row for row in found if row[1].of_mesh]
-    if not found:
+    most = min((each.score for each, _ in made), default=0.0) + NEAR
+    if any(
+        (mistake.name == COARSE_MESH and each.score <= most and explains(each))
+        or (deck and mistake.of_mesh and explained_part(each, none) > MIN_EXPLAINED)
+        for each, mistake in made
+    ):
+        made = [(each, mistake) for each, mistake in made if mistake.of_mesh]
+    if not made:
         return []
-    scores = np.array([each.score for each, *_ in found])
+    scores = np.array([each.score for each, _ in made])
     weights = np.exp(-np.maximum(scores - scores.min() - ALIKE, 0.0) / 2)
+    parts = weights / weights.sum() * [explained_part(each, none) for each, _ in made]
     # in the order of the score
-    shares = np.minimum.accumulate(weights / weights.sum() * [part for *_, part in found])
-    explaining = [number for number, row in enumerate(found) if explains(row)]
-    listed = explaining or [0]
-    first = max(found[listed[0]][0].errors.max(), none.floor)
-    listed = [
-        number
-        for number in listed
-        if shares[number] > MIN_SHARE * shares[listed[0]]
-        and found[number][0].errors.max() <= MOST_WORSE * first
+    shares = {
+        each: share for (each, _), share in zip(made, np.minimum.accumulate(parts), strict=True)
+    }
+    explaining = [(each, mistake) for each, mistake in made if explains(each)]
+    first, _ = (explaining or made)[0]
+    most_error = MOST_WORSE * max(first.errors.max(), none.floor)
+    rows = [
+        (each, mistake)
+        for each, mistake in explaining
+        if each.score < first.score + NEAR and each.errors.max() <= most_error
     ][:MOST_NAMED]
-    diagnoses = []
-    for number in listed:
-        candidate, mistake, _ = found[number]
-        judgement, rival = EXPLAINS if explaining else REDUCES, ""
-        near = [
-            named(found[other][1], found[other][0].values, comparison)
-            for other in listed
-            if other != number and abs(found[other][0].score - candidate.score) < NEAR
-        ]
-        if explaining and near:
-            judgement, rival = EQUALLY, near[0]
-        diagnoses.append(
-            Diagnosis(
-                named(mistake, candidate.values, comparison),
-                mistake.size(*candidate.values),
-                *interval_of(mistake, candidate),
-                float(shares[number]),
-                judgement,
-                sentence(mistake, candidate.values),
-                before,
-                float(candidate.errors.max(initial=0.0)),
-                rival,
-                mistake.remedy,
-            )
+    rows = rows or made[:1]
+    names = [named(mistake, each.values, comparison) for each, mistake in rows]
+    # the rival of the first one is the second one, and the first one is that of all others
+    rivals = [*names[1:2], *names[:1] * (len(names) - 1)]
+    judgement = REDUCES if not explaining else EQUALLY if rivals else EXPLAINS
+    return [
+        Diagnosis(
+            name,
+            mistake.size(*each.values),
+            judgement,
+            sentence(mistake, each.values),
+            before,
+            float(each.errors.max(initial=0.0)),
+            mistake.remedy,
+            float(shares[each]),
+            *interval_of(mistake, each),
+            rival,
         )
-    return diagnoses
+        for name, (each, mistake), rival in zip(names, rows, rivals or [""], strict=True)
+    ]
 
 
 def _without_alike(candidates: Sequence[Candidate]) -> list[Candidate]:
@@ -392,23 +279,15 @@ def _without_alike(candidates: Sequence[Candidate]) -> list[Candidate]:
 
 
 def _are_one(candidate: Candidate, other: Candidate) -> bool:
-    """Return whether two candidates are the same mistake, in two forms."""
-    if candidate.mistake and other.mistake and candidate.mistake.name == COARSE_MESH:
-        return other.mistake.name == COARSE_MESH
-    return _is_special(candidate, other) and alike(candidate, other)
+    """Return whether two candidates are the same mistake, in two forms.
 
-
-def _is_special(candidate: Candidate, other: Candidate) -> bool:
-    """Return whether the mistake of one of two candidates is a special case of the other's."""
+    One is a special case of the other, and they predict nearly the same.
+    """
     first, second = candidate.mistake, other.mistake
     if not first or not second or first.changes != second.changes:
         return False
-    return second.name == first.special_of or first.name == second.special_of
-
-
-def alike(candidate: Candidate, other: Candidate) -> bool:
-    """Return whether two candidates predict nearly the same."""
-    return bool(candidate.changes(other).max(initial=0.0) < MAX_ALIKE_DIFFERENCE)
+    special = second.name == first.special_of or first.name == second.special_of
+    return special and bool(candidate.changes(other).max(initial=0.0) < MAX_ALIKE_DIFFERENCE)
 
 
 def explained_part(candidate: Candidate, none: Candidate) -> float:
@@ -428,10 +307,17 @@ def explained_part(candidate: Candidate, none: Candidate) -> float:
 
 
 def interval_of(mistake: Mistake, candidate: Candidate) -> tuple[float, float]:
-    """Return the 95 % interval of the size of a mistake; NaN if nothing is fitted."""
-    count = len(mistake.parameters)
-    if not count or any(each.values for each in mistake.parameters):
+    """Return the 95 % interval of the size of a mistake, by the curvature and within its range.
+
+    It is NaN if nothing is fitted.
+    """
+    if any(each.values for each in mistake.parameters):
         return np.nan, np.nan
-    ends = zip(*candidate.intervals[:count], strict=True)
-    sizes = [mistake.size(*corner) for corner in ends]
+    x = candidate.point.x
+    deviations = np.sqrt(np.diag(candidate.likelihood.covariance(x)))
+    sizes = []
+    for end in (-1.96, 1.96):
+        ends = zip(mistake.parameters, x + end * deviations, strict=False)
+        values = (each.at(float(np.clip(at, -each.reach, each.reach))) for each, at in ends)
+        sizes.append(mistake.size(*values))
     return min(sizes), max(sizes)

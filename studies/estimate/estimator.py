@@ -9,11 +9,12 @@ likelihood is described by chi-square, ``r^T C^-1 r`` for residuals r.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-import pandas as pd
-from lmfit import Minimizer, Parameters
+from numpy.typing import NDArray
+from scipy.linalg import block_diag
+from scipy.optimize import least_squares
 
 from ...meshes import Array, SolverError
 from .measurement import Measurement
@@ -75,7 +76,8 @@ class Likelihood:
         return np.concatenate([each.noise for each in self.measurements])
 
     @cached_property
-    def _values(self) -> Array:
+    def values(self) -> Array:
+        """(n,) measured values over the noise; 0 for missing ones."""
         values = np.concatenate([each.values for each in self.measurements])
         # missing values have an infinite noise
         return np.where(np.isfinite(self.noise), values, 0.0) / self.noise
@@ -87,17 +89,17 @@ class Likelihood:
         With the deviation b of a common error along the unit vector e, ``C^-1/2`` in units of the
         noise is ``1 - (1 - 1 / sqrt(1 + b^2)) e e^T``: a projection if b is infinite.
         """
-        columns, parts, row = [], [], 0
+        columns, parts = [], []
         for each in self.measurements:
             error, deviation = each.common_error
-            if deviation:
-                column = np.zeros(len(self.noise))
-                column[row : row + len(each.values)] = error
-                length = float(np.linalg.norm(column)) or 1.0
-                columns.append(column / length)
-                parts.append(1 - 1 / np.sqrt(1 + (deviation * length) ** 2))
-            row += len(each.values)
-        return np.array(columns).T.reshape(len(self.noise), -1), np.array(parts)
+            length = float(np.linalg.norm(error)) or 1.0
+            columns.append(error[:, None] / length)
+            parts.append(1 - 1 / np.sqrt(1 + (deviation * length) ** 2))
+        return block_diag(*columns), np.array(parts)
+
+    def split(self, values: NDArray[Any]) -> list[NDArray[Any]]:
+        """Return the parts of values (n,) that belong to each measurement."""
+        return np.split(values, np.cumsum([len(each.values) for each in self.measurements])[:-1])
 
     @property
     def offsets(self) -> Array:
@@ -118,61 +120,30 @@ class Likelihood:
     def residuals(self, x: Array) -> Array:
         """Return measured minus predicted values (n,) at coordinates (m,), over the noise."""
         predicted = np.concatenate(self.predictor.predict(x)) / self.noise
-        return self.whitened(self._values - predicted)
+        return self.whitened(self.values - predicted)
 
-    def _search_slopes(self, x: Array, numbers: list[int]) -> Array:
-        """Return the derivatives (n, k) by k parameters, as accurate as a search needs them."""
-        directions = np.eye(len(x))[numbers]
-        wear = [number for number in numbers if self.parameters[number].wear]
-        if wear:
-            # all wear coefficients at once only change the unit of time, without a new solution
-            directions[numbers.index(wear[0]), wear] = 1.0
-        ahead = np.array([self.residuals(x + STEP * each) for each in directions])
-        changes = (self.residuals(x) - ahead) / STEP
-        return _finite(np.linalg.solve(directions[:, numbers], changes).T)
+    def slopes(
+        self, x: Array, numbers: Sequence[int] | None = None, backward: float = STEP
+    ) -> Array:
+        """Return the derivatives (n, k) by parameters, over the noise.
 
-    def slopes(self, x: Array) -> Array:
-        """Return the derivatives (n, f) by the free parameters, over the noise.
-
-        They are central differences.
+        Parameters
+        ----------
+        x : (m,) coordinates
+        numbers : indices of k parameters; by default those of the free ones
+        backward : step behind x; 0 for differences ahead, which are accurate enough for a search
 
         Raises
         ------
         SolverError
             if they are not finite
         """
-        shifts = STEP * np.eye(len(x))[list(self.free)]
-        columns = [self.residuals(x - shift) - self.residuals(x + shift) for shift in shifts]
-        return _finite(np.reshape(columns, (len(shifts), -1)).T / (2 * STEP))
-
-    def minimizer(
-        self, start: Array, varied: Sequence[int], tolerance: float = TOLERANCE
-    ) -> Minimizer:
-        """Return lmfit's minimizer of chi-square, whose parameters ``x0``, ... are coordinates.
-
-        Parameters
-        ----------
-        start : (m,) coordinates at which a search begins
-        varied : indices of the parameters that are not held there
-        tolerance : relative change of chi-square and of the coordinates at which a search ends
-        """
-        known = Parameters()
-        for number, each in enumerate(self.parameters):
-            reach = SEARCH_MARGIN * each.reach if number in varied else np.inf
-            x = np.clip(start[number], -reach, reach)
-            # a start at an end would not be between them
-            ends = -reach * (1 + 1e-9), reach * (1 + 1e-9)
-            known.add(f"x{number}", x, number in varied, *ends)
-        return Minimizer(
-            lambda found: _finite(self.residuals(coordinates(found))),
-            known,
-            scale_covar=False,
-            Dfun=lambda found: -self._search_slopes(coordinates(found), [*varied]),
-            x_scale="jac",
-            ftol=tolerance,
-            xtol=tolerance,
-            gtol=tolerance,
-        )
+        directions = np.eye(len(x))[list(self.free if numbers is None else numbers)]
+        columns = [
+            self.residuals(x - backward * each) - self.residuals(x + STEP * each)
+            for each in directions
+        ]
+        return _finite(np.reshape(columns, (len(directions), -1)).T / (STEP + backward))
 
     def best_from(
         self,
@@ -196,20 +167,25 @@ class Likelihood:
             x[fixed] = value
         if not varied:
             return Point(x, float(np.sum(self.residuals(x) ** 2)))
-        best = Point(x, np.inf)
 
-        def follow(found: Parameters, _: int, residuals: Array) -> None:
-            nonlocal best
-            if (chi_square := float(residuals @ residuals)) < best.chi_square:
-                best = Point(coordinates(found), chi_square)
+        def moved(values: Array) -> Array:
+            """Return coordinates (m,) with other values of those that are varied."""
+            x[varied] = values
+            return x.copy()
 
-        minimizer = self.minimizer(x, varied, tolerance)
-        # a search that reaches its last evaluation ends at that one, which may not be the best
-        minimizer.iter_cb = follow
-        # lmfit's standard errors are not used here, and along a flat valley they are not defined
-        with np.errstate(invalid="ignore"):
-            minimizer.least_squares(max_nfev=evaluations)
-        return best
+        reach = SEARCH_MARGIN * np.array([self.parameters[number].reach for number in varied])
+        found = least_squares(
+            lambda values: _finite(self.residuals(moved(values))),
+            np.clip(x[varied], -reach, reach),
+            lambda values: -self.slopes(moved(values), varied, 0.0),
+            bounds=(-reach, reach),
+            x_scale="jac",
+            ftol=tolerance,
+            xtol=tolerance,
+            gtol=tolerance,
+            max_nfev=evaluations,
+        )
+        return Point(moved(found.x), float(2 * found.cost))
 
     def covariance(self, x: Array) -> Array:
         """Return the covariance (f, f) of the free parameters, by the curvature at a point."""
@@ -218,15 +194,10 @@ class Likelihood:
     def with_noise(self, factors: Sequence[float]) -> "Likelihood":
         """Return the likelihood with the noise of each measurement multiplied by a factor."""
         scaled = tuple(
-            each.with_scaled_noise(factor)
+            replace(each, noise=factor * each.noise)
             for each, factor in zip(self.measurements, factors, strict=True)
         )
         return replace(self, predictor=self.predictor.for_measurements(scaled))
-
-
-def coordinates(found: Parameters) -> Array:
-    """Return the values (m,) of lmfit's parameters."""
-    return np.array([each.value for each in found.values()])
 
 
 def _finite(values: Array) -> Array:
@@ -292,23 +263,19 @@ def with_estimated_noise(likelihood: Likelihood, best: Point) -> Likelihood:
     """
     if all(each.noise_known for each in likelihood.measurements):
         return likelihood
+    columns = np.repeat(
+        [each.column for each in likelihood.measurements],
+        [len(each.values) for each in likelihood.measurements],
+    )
     for _ in range(NOISE_ROUNDS):
-        measurements, residuals = likelihood.measurements, likelihood.residuals(best.x)
-        ends = np.cumsum([len(each.values) for each in measurements])[:-1]
+        residuals, factors = likelihood.residuals(best.x), []
         # the fitted numbers are divided among the columns in proportion to their values
         freedom_per_value = max(likelihood.degrees_of_freedom, 1) / len(residuals)
-        series = pd.DataFrame(
-            {
-                "column": [each.column for each in measurements],
-                "sum": [float(part @ part) for part in np.split(residuals, ends)],
-                "count": [len(each.values) for each in measurements],
-                "least": [np.abs(each.values).max() / each.noise.max() for each in measurements],
-            }
-        )
-        columns = series.groupby("column").agg({"sum": "sum", "count": "sum", "least": "max"})
-        least = np.maximum(LEAST_NOISE * columns["least"], 1e-12)
-        scale = np.sqrt(columns["sum"] / columns["count"] / freedom_per_value).clip(lower=least)
-        factors = [1.0 if each.noise_known else scale[each.column] for each in measurements]
+        for each in likelihood.measurements:
+            own = columns == each.column
+            scale = float(np.sqrt(np.mean(residuals[own] ** 2) / freedom_per_value))
+            least = LEAST_NOISE * float(np.abs(likelihood.values[own]).max())
+            factors.append(1.0 if each.noise_known else max(scale, least, 1e-12))
         likelihood = likelihood.with_noise(factors)
         best = likelihood.best_from(best.x)
         if all(abs(factor - 1) < 1e-2 for factor in factors):

@@ -5,17 +5,24 @@ user can do to confirm it. Of mistakes that explain the same, the first in the t
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from itertools import combinations
-from typing import Any
 
 import numpy as np
 
 from ..crosscheck import Scene
 from .compared import Comparison
-from .parameter import Change, Parameter, Reading, SceneChange, Situation
+from .parameter import (
+    Change,
+    Parameter,
+    Reading,
+    SceneChange,
+    Situation,
+    looked_up,
+    with_values,
+)
 from .select import COARSE_MESH, Mistake
 
 LENGTHS = ("displacement", "profile", "indentation")
@@ -31,6 +38,8 @@ MAX_MATERIALS, MAX_LAYERS, MAX_RINGS = 5, 2, 24
 MAX_SINGLE_RINGS, FORGOTTEN = 12, 1e-3
 # greatest relative difference of a fitted factor to a well-known one whose name it is given
 MAX_FACTOR_DIFFERENCE = 0.01
+# values at which searches for a wrong ratio of wear coefficients begin, and their reach
+RATIO = (0.45, 2.2), math.log(11)
 # spacing of the nodes for mistakes in layers, whose size is known roughly
 COARSE = 0.7
 
@@ -38,30 +47,19 @@ COARSE = 0.7
 # ---- kinds of parameters --------------------------------------------------------------------
 
 
-def factor(change: Change, starts: tuple[float, ...] = FACTORS) -> Parameter:
-    """Return a positive factor that is fitted."""
-    return Parameter("factor", change, reach=math.log(1e9), starts=starts)
-
-
-def choice(change: Change, *values: float) -> Parameter:
-    """Return a number that has one of several values."""
-    return Parameter("choice", change, 0.0, math.inf, logarithmic=False, values=values)
-
-
-def scale(
-    name: str,
-    change: Callable[[Scene, float], Scene],
-    reach: float = math.log(11),
-    starts: tuple[float, ...] = (0.45, 2.2),
+def factor(
+    change: Change | str,
+    starts: tuple[float, ...] = FACTORS,
+    reach: float = math.log(1e9),
     spacing: float = 0.4,
 ) -> Parameter:
-    """Return a factor on numbers of the scene that is fitted."""
-    return Parameter(name, SceneChange(change), reach=reach, starts=starts, spacing=spacing)
+    """Return a positive factor that is fitted."""
+    return Parameter("factor", change, reach=reach, starts=starts, spacing=spacing)
 
 
-def set_reading(name: str) -> Change:
-    """Return a change that sets one field of the reading."""
-    return lambda scene, reading, value: (scene, reading.changed(name, value))
+def choice(change: Change | str, *values: float) -> Parameter:
+    """Return a number that has one of several values."""
+    return Parameter("choice", change, 0.0, math.inf, logarithmic=False, values=values)
 
 
 def columns(*names: str) -> Change:
@@ -79,126 +77,48 @@ PARTS_OF_CIRCLE = {
 
 # ---- changes of a scene ---------------------------------------------------------------------
 
-
-def with_force(scene: Scene, size: float) -> Scene:
-    """Return a scene with its load multiplied by a factor."""
-    for key in ("normal_force", "mean_pressure"):
-        value = getattr(scene.load_, key)
-        if isinstance(value, float | int):
-            return scene.changed({f"load.{key}": value * size})
-        if value is not None:
-            return scene.changed({f"load.{key}": _multiplied(value.model_dump(), size)})
-    return scene
+FORCE = tuple(
+    f"load.{key}{values}" for key in ("normal_force", "mean_pressure") for values in ("", ".values")
+)
+SIZE = "punch.radius", "punch.ring_edges", "punch.inner_radius", "punch.wear_coefficient.radii"
+"""Keys of a load, and of the radii of a punch, of which a scene has some."""
 
 
-def _multiplied(curve: dict[str, list[float]], size: float) -> dict[str, list[float]]:
-    return curve | {"values": [size * each for each in curve["values"]]}
+def multiplied(*keys: str) -> SceneChange:
+    """Return a change that multiplies the numbers, or lists of them, that a scene has at keys."""
 
-
-def with_modulus(scene: Scene, size: float) -> Scene:
-    """Return a scene with the modulus of the half-space and of all layers multiplied."""
-    if not scene.half_space.layers:
-        modulus = scene.half_space.own_modulus * size
-        return scene.changed({"half_space.plane_strain_modulus": modulus})
-    materials = layer_tables(scene)
-    for each in materials:
-        each["youngs_modulus"] = each.get("youngs_modulus", 1.0) * size
-    return with_layers(scene, materials)
-
-
-def with_radius(scene: Scene, size: float) -> Scene:
-    """Return a scene with the radius of the punch and its rings multiplied."""
-    punch = scene.punch
-    changes: dict[str, Any] = {"punch.radius": punch.radius * size}
-    if punch.ring_edges is not None:
-        changes["punch.ring_edges"] = [size * edge for edge in punch.ring_edges]
-    if punch.inner_radius:
-        changes["punch.inner_radius"] = punch.inner_radius * size
-    if punch.table:
-        table = punch.table.model_dump()
-        table["radii"] = [size * each for each in table["radii"]]
-        changes["punch.wear_coefficient"] = table
-    return scene.changed(changes)
-
-
-def ring_wear(scene: Scene) -> list[float]:
-    """Return the wear coefficient of each ring of a scene."""
-    rings = len(scene.problem.ring_edges) - 1
-    return [float(each) for each in np.resize(scene.punch.coefficients, rings)]
-
-
-def with_wear(scene: Scene, changed: Callable[[float], float]) -> Scene:
-    """Return a scene with a function of each wear coefficient in place of it."""
-    wear = [changed(each) for each in ring_wear(scene)]
-    return scene.changed({"punch.wear_coefficients": wear})
-
-
-def with_wear_of(others: Mapping[float, float], scene: Scene, _: float) -> Scene:
-    """Return a scene with other wear coefficients in place of some."""
-    return with_wear(scene, lambda each: others.get(each, each))
-
-
-def with_wear_times(coefficient: float, scene: Scene, size: float) -> Scene:
-    """Return a scene with one of its wear coefficients multiplied."""
-    return with_wear(scene, lambda each: each * size if each == coefficient else each)
-
-
-def with_step(sign: float, scene: Scene, reading: Reading, length: float) -> Situation:
-    """Return a reading with time steps of first order."""
-    return scene, reading._replace(step=sign * length)
-
-
-def with_edges(scene: Scene, size: float) -> Scene:
-    """Return a scene with all edges between rings multiplied, and the rim as it is."""
-    edges = scene.problem.ring_edges[1:] * scene.punch.radius
-    edges[:-1] *= size
-    keys = {"punch.ring_edges": edges.tolist(), "punch.wear_coefficients": ring_wear(scene)}
-    return scene.changed(keys)
-
-
-def layer_tables(scene: Scene) -> list[dict[str, float]]:
-    """Return the tables of the layers of a scene and, last, of the base."""
-    ground = scene.half_space
-    below = {"thickness": 1.0, "poisson_ratio": ground.poisson_ratio}
-    if not ground.rigid:
-        below["youngs_modulus"] = ground.youngs_modulus or (
-            (ground.plane_strain_modulus or 0.0) * (1 - ground.poisson_ratio**2)
+    def change(scene: Scene, size: float) -> Scene:
+        table = scene.table()
+        values = {key: looked_up(table, key) for key in keys}
+        numbers = {key: each for key, each in values.items() if isinstance(each, float | list)}
+        return with_values(
+            scene, {key: (size * np.array(each)).tolist() for key, each in numbers.items()}
         )
-    return [*(layer.model_dump() for layer in ground.layers), below]
+
+    return SceneChange(change)
 
 
-def with_layers(scene: Scene, materials: list[dict[str, float]]) -> Scene:
-    """Return a scene with other layers and another base: `layer_tables`."""
-    *layers, base = materials
-    changes: dict[str, object] = {"half_space.layers": layers}
-    if not scene.half_space.rigid:
-        changes["half_space.youngs_modulus"] = base["youngs_modulus"]
-        changes["half_space.poisson_ratio"] = base["poisson_ratio"]
+def replaced(values: Mapping[str, float]) -> SceneChange:
+    """Return a change that gives other values to keys of a scene."""
+    return SceneChange(lambda scene, _: with_values(scene, values))
+
+
+def written_out(scene: Scene) -> Scene:
+    """Return a scene with each radius and wear coefficient of its rings, and all of its materials.
+
+    Mistakes change these keys.
+    """
+    ground, punch, changes = scene.half_space, scene.punch, dict[str, object]()
+    if ground.layers:
+        changes["half_space.layers"] = [layer.model_dump() for layer in ground.layers]
+    if not ground.rigid:
+        changes["half_space.youngs_modulus"] = ground.youngs_moduli[-1]
+        changes["half_space.poisson_ratio"] = ground.poisson_ratio
+    if not punch.table:
+        edges = scene.problem.ring_edges[1:] * punch.radius
+        changes["punch.ring_edges"] = edges.tolist()
+        changes["punch.wear_coefficients"] = np.resize(punch.coefficients, len(edges)).tolist()
     return scene.changed(changes)
-
-
-def with_material(place: int, key: str) -> Callable[[Scene, float], Scene]:
-    """Return a change of one number of a layer or of the base: a factor, or Poisson's ratio."""
-
-    def change(scene: Scene, value: float) -> Scene:
-        materials = layer_tables(scene)
-        materials[place][key] = value if key == "poisson_ratio" else materials[place][key] * value
-        return with_layers(scene, materials)
-
-    return change
-
-
-def with_exchanged(places: tuple[int, int], keys: Sequence[str]) -> Callable[[Scene, float], Scene]:
-    """Return a change that exchanges numbers of two layers."""
-
-    def change(scene: Scene, _: float) -> Scene:
-        materials = layer_tables(scene)
-        upper, lower = (materials[place] for place in places)
-        for key in keys:
-            upper[key], lower[key] = lower[key], upper[key]
-        return with_layers(scene, materials)
-
-    return change
 
 
 def with_layer(key: str, scene: Scene, value: float) -> Scene:
@@ -206,21 +126,24 @@ def with_layer(key: str, scene: Scene, value: float) -> Scene:
 
     The thickness is that over the punch radius.
     """
-    if not scene.half_space.layers:
-        (base,) = layer_tables(scene)
-        layer = base | {"thickness": scene.punch.radius}
-        scene = with_layers(scene, [layer, base])
-    return with_material(0, key)(scene, value)
+    ground = scene.half_space
+    if not ground.layers:
+        layer = {
+            "thickness": scene.punch.radius,
+            "youngs_modulus": ground.youngs_modulus,
+            "poisson_ratio": ground.poisson_ratio,
+        }
+        scene = scene.changed({"half_space.layers": [layer]})
+    return multiplied(f"half_space.layers[0].{key}").change(scene, value)
 
 
 def mesh_part() -> Parameter:
     """Return the part of the errors of a linear mesh that a table has, from 0 to 1."""
-    change = set_reading("mesh")
-    return Parameter("mesh", change, 0.5, 1.0, logarithmic=False, scale=0.5)
+    return Parameter("mesh", "mesh", 0.5, 1.0, logarithmic=False, scale=0.5)
 
 
-def coarse_mesh(errors: float, clamped: Change | None) -> Iterator[Mistake]:
-    """Yield the errors of a mesh whose nodes are at the radii, without and with those below it.
+def coarse_mesh(errors: float, clamped: Change | None) -> Mistake:
+    """Return the errors of a mesh whose nodes are at the radii, with those of the mesh below it.
 
     Parameters
     ----------
@@ -228,20 +151,17 @@ def coarse_mesh(errors: float, clamped: Change | None) -> Iterator[Mistake]:
     clamped : change by which all displacements are too low, as they are if elements below the
         surface are too large; None if there is none
     """
-    nodes = replace(mesh_part(), value=1.0, scale=1.0)
-    rows: list[tuple[Parameter, ...]] = [(nodes,)]
+    parameters = [replace(mesh_part(), value=1.0, scale=1.0)]
     if clamped is not None:
-        below = Parameter("a/R", clamped, errors, 1.0, logarithmic=False, scale=errors)
-        rows.append((nodes, below))
-    for parameters in rows:
-        yield Mistake(
-            COARSE_MESH,
-            "a mesh that is too coarse: {0:.2g} times the errors of linear elements with nodes at "
-            "these radii",
-            "halve the element size: this error decreases; give both results with --refinement",
-            parameters,
-            of_mesh=True,
-        )
+        parameters.append(Parameter("a/R", clamped, errors, 1.0, logarithmic=False, scale=errors))
+    return Mistake(
+        COARSE_MESH,
+        "a mesh that is too coarse: {0:.2g} times the errors of linear elements with nodes at "
+        "these radii",
+        "halve the element size: this error decreases; give both results with --refinement",
+        tuple(parameters),
+        of_mesh=True,
+    )
 
 
 # ---- the table ------------------------------------------------------------------------------
@@ -249,7 +169,7 @@ def coarse_mesh(errors: float, clamped: Change | None) -> Iterator[Mistake]:
 
 def mistakes(comparison: Comparison) -> Iterator[Mistake]:
     """Yield the mistakes that could be recognised in results of a scene."""
-    scene, problem = comparison.scene, comparison.scene.problem
+    scene, problem = written_out(comparison.scene), comparison.scene.problem
     names = {*comparison.quantities}
     later = bool((comparison.times[comparison.time_rows] > 0).any())
     several = len(comparison.time_rows) > 1
@@ -262,7 +182,7 @@ def mistakes(comparison: Comparison) -> Iterator[Mistake]:
     errors = dict(zip(comparison.quantities, comparison.mesh_errors(), strict=False))
     error = float(np.sqrt(np.mean(errors["pressure"] ** 2))) if errors else 0.0
     if error and not (bare and (flat or by_force)):
-        yield from coarse_mesh(error, None)
+        yield coarse_mesh(error, None)
     if bare and (flat or by_force):
         low = float(np.interp(problem.poisson_ratio, *TRUNCATION_ERRORS))
 
@@ -278,7 +198,7 @@ def mistakes(comparison: Comparison) -> Iterator[Mistake]:
             return scene, reading._replace(ground_compliance=compliance)
 
         if error:
-            yield from coarse_mesh(error, clamped)
+            yield coarse_mesh(error, clamped)
         yield Mistake(
             "truncated half-space",
             lambda part: (
@@ -307,7 +227,7 @@ def mistakes(comparison: Comparison) -> Iterator[Mistake]:
             ),
             "give the unit of time of the table by --units, or in the heading of its times; a "
             "wear coefficient or a sliding speed in another unit has the same effect",
-            (choice(set_reading("time_scale"), 1e3, 1e-3, 60.0, 1 / 60, 3600.0, 1 / 3600),),
+            (choice("time_scale", 1e3, 1e-3, 60.0, 1 / 60, 3600.0, 1 / 3600),),
         )
     if later and steady_load:
         yield Mistake(
@@ -316,7 +236,7 @@ def mistakes(comparison: Comparison) -> Iterator[Mistake]:
             "times as fast",
             "compare k and v of the input, and their units; with all times multiplied by this "
             "factor the error disappears",
-            (factor(set_reading("time_scale")),),
+            (factor("time_scale"),),
         )
     if several:
         last = float(comparison.times.max())
@@ -329,7 +249,7 @@ def mistakes(comparison: Comparison) -> Iterator[Mistake]:
             (
                 Parameter(
                     "start",
-                    set_reading("start_time"),
+                    "start_time",
                     0.1 * last,
                     math.log(10),
                     starts=tuple(last * part for part in (0.02, 0.1, 0.3, 0.6)),
@@ -338,19 +258,16 @@ def mistakes(comparison: Comparison) -> Iterator[Mistake]:
         )
     if several and flat:
         longest = float(np.diff(comparison.times, prepend=0.0).max())
-        for kind, sign in (("implicit", 1.0), ("explicit", -1.0)):
+        for sign in (1, -1):
             yield Mistake(
                 "first-order time step",
-                partial(_steps_in_words, kind, written),
-                "compute with half the time step: the error is halved",
-                (
-                    Parameter(
-                        "step",
-                        partial(with_step, sign),
-                        longest / 20,
-                        math.log(20 * last / longest),
-                    ),
+                lambda length: (
+                    f"{'implicit' if length > 0 else 'explicit'} time steps of first order, about "
+                    f"{written(abs(length), 'time', 3)} long"
                 ),
+                "compute with half the time step: the error is halved",
+                (Parameter("step", "step", sign * longest / 20, math.log(20 * last / longest)),),
+                size=abs,
             )
 
     # the program solves another scene
@@ -364,15 +281,22 @@ def mistakes(comparison: Comparison) -> Iterator[Mistake]:
             ),
             "compare the sum of 2 pi r p dr with the load; look up whether an axisymmetric "
             "load counts for the whole circumference",
-            (choice(SceneChange(with_force), *known),),
+            (choice(multiplied(*FORCE), *known),),
             "normal force",
         )
         yield Mistake(
             "normal force",
             "a load of {0:.4g} times ours, which multiplies all results",
             "compare the sum of 2 pi r p dr with the load of the scene",
-            (factor(SceneChange(with_force)),),
+            (factor(multiplied(*FORCE)),),
         )
+    moduli = [
+        "half_space.youngs_modulus",
+        *(
+            f"half_space.layers[{place}].youngs_modulus"
+            for place in range(len(scene.half_space.layers))
+        ),
+    ]
     plane = 1 - problem.poisson_ratio**2
     if flat and bare and abs(problem.poisson_ratio) > 0.1:
         yield Mistake(
@@ -380,7 +304,7 @@ def mistakes(comparison: Comparison) -> Iterator[Mistake]:
             "a half-space {0:.4g} times as stiff as ours: E in place of E/(1 - nu^2), or the "
             "reverse",
             "compute with a Poisson's ratio of 0: the error disappears",
-            (choice(SceneChange(with_modulus), plane, 1 / plane),),
+            (choice(multiplied(*moduli), plane, 1 / plane),),
             "modulus",
         )
     if flat:
@@ -388,14 +312,14 @@ def mistakes(comparison: Comparison) -> Iterator[Mistake]:
             "modulus",
             "a half-space {0:.4g} times as stiff as ours",
             "compare the modulus of the input, and F / (2 a E*) with the first indentation",
-            (factor(SceneChange(with_modulus)),),
+            (factor(multiplied(*moduli)),),
         )
     if bare:
         yield Mistake(
             "radius for diameter",
             "a punch of {0:g} times the radius: a diameter in place of a radius, or the reverse",
             "look up the radius in the model beyond which pressures are zero",
-            (choice(SceneChange(with_radius), 2.0, 0.5),),
+            (choice(multiplied(*SIZE), 2.0, 0.5),),
         )
     yield from wear_mistakes(scene, later)
     if flat and by_force and bare:
@@ -518,17 +442,13 @@ def mistakes(comparison: Comparison) -> Iterator[Mistake]:
                 f"radius is {1 / value:.4g} times ours"
             ),
             "compare the greatest radius of the table with punch.radius; give --units",
-            (choice(set_reading("radius_scale"), 2.0, 0.5, *[power] * (power > 1)),),
+            (choice("radius_scale", 2.0, 0.5, *[power] * (power > 1)),),
         )
-
-
-def _steps_in_words(kind: str, written: Callable[..., str], length: float) -> str:
-    return f"{kind} time steps of first order, about {written(length, 'time', 3)} long"
 
 
 def in_plane_strain(scene: Scene, reading: Reading, value: float) -> Situation:
     """Return the scene with a load times a factor, solved in plane strain."""
-    return with_force(scene, value), reading._replace(plane_strain=True)
+    return multiplied(*FORCE)(scene, reading._replace(plane_strain=True), value)
 
 
 def force_factors(radius: float) -> dict[float, str]:
@@ -551,74 +471,73 @@ def force_factors(radius: float) -> dict[float, str]:
 
 def wear_mistakes(scene: Scene, later: bool) -> Iterator[Mistake]:
     """Yield mistakes in the wear coefficients and edges of rings."""
-    wear, edges = ring_wear(scene), scene.problem.ring_edges
-    values = sorted(set(wear))
+    wear, edges = scene.punch.wear_coefficients or [], scene.problem.ring_edges
+    keys = [f"punch.wear_coefficients[{number}]" for number in range(len(wear))]
+    values = sorted({*wear})
     count = len(values)
-    if scene.punch.table or len(edges) > MAX_RINGS + 1 or not later or not count > 1:
+    if len(wear) > MAX_RINGS or not later or not count > 1:
         return
     for first, second in combinations(values[:MAX_MATERIALS], 2):
+        others = {first: second, second: first}
+        swapped = {
+            key: others[each] for key, each in zip(keys, wear, strict=True) if each in others
+        }
         yield Mistake(
             "swapped materials",
             "swapped wear coefficients of two materials"
             + (f", {first:.4g} and {second:.4g}" if count > 2 else ""),
             "look at the latest pressures: they must be greatest on rings that wear least",
-            (choice(SceneChange(partial(with_wear_of, {first: second, second: first})), 1.0),),
+            (choice(replaced(swapped), 1.0),),
         )
     if count > MAX_MATERIALS:
         return
     for value in values:
         # the number of a ring that alone has the material
         ring = f" (ring {wear.index(value) + 1})" if wear.count(value) == 1 else ""
+        of_material = [key for key, each in zip(keys, wear, strict=True) if each == value]
         yield Mistake(
             "wear ratio",
             f"a wrong ratio of wear coefficients: that of the material with k = {value:.4g}{ring} "
             "is {0:.4g} times ours",
             "compare the wear coefficient of each material; late pressures are inverse to them",
-            (scale("wear ratio", partial(with_wear_times, value)),),
+            (factor(multiplied(*of_material), *RATIO),),
         )
-    yield from ring_mistakes(scene)
+    remedy = "compare the wear coefficient of this ring with that of the scene"
+    for number, value in enumerate(wear if len(wear) <= MAX_SINGLE_RINGS else (), 1):
+        of_ring = multiplied(keys[number - 1])
+        words = f"a wear coefficient of ring {number} that is forgotten: it does not wear"
+        forgotten = choice(of_ring, FORGOTTEN)
+        yield Mistake("forgotten ring", words, remedy, (forgotten,), size=lambda _: 0.0)
+        # a ring that alone has its material has a wrong ratio of wear coefficients
+        if wear.count(value) > 1:
+            words = f"a wear coefficient of ring {number} of {{0:.4g}} times ours"
+            yield Mistake("wear coefficient of a ring", words, remedy, (factor(of_ring, *RATIO),))
     if edges[0] == 0 and (edges[1:-1] * 1.24 < 1).all():
+        inner = [f"punch.ring_edges[{number}]" for number in range(len(wear) - 1)]
         yield Mistake(
             "ring edges",
             "edges between rings at {0:.4g} times our radii",
             "compare the radii at which late pressures jump with the ring edges of the scene",
-            (scale("edges", with_edges, 0.21, (math.exp(-0.06), math.exp(0.06)), 0.06),),
+            (factor(multiplied(*inner), (math.exp(-0.06), math.exp(0.06)), 0.21, 0.06),),
         )
-
-
-def ring_mistakes(scene: Scene) -> Iterator[Mistake]:
-    """Yield mistakes in the wear coefficient of one ring."""
-    wear = ring_wear(scene)
-    remedy = "compare the wear coefficient of this ring with that of the scene"
-    for number, value in enumerate(wear if len(wear) <= MAX_SINGLE_RINGS else ()):
-        change = partial(with_wear_of_ring, number)
-        if value:
-            words = f"a wear coefficient of ring {number + 1} that is forgotten: it does not wear"
-            forgotten = choice(SceneChange(change), FORGOTTEN)
-            yield Mistake("forgotten ring", words, remedy, (forgotten,), size=lambda _: 0.0)
-        # a ring that alone has its material has a wrong ratio of wear coefficients
-        if value and wear.count(value) > 1:
-            words = f"a wear coefficient of ring {number + 1} of {{0:.4g}} times ours"
-            yield Mistake("wear coefficient of a ring", words, remedy, (scale("ring", change),))
-
-
-def with_wear_of_ring(number: int, scene: Scene, size: float) -> Scene:
-    """Return a scene with the wear coefficient of one ring multiplied."""
-    wear = ring_wear(scene)
-    wear[number] *= size
-    return scene.changed({"punch.wear_coefficients": wear})
 
 
 def layer_mistakes(scene: Scene) -> Iterator[Mistake]:
     """Yield mistakes in the layers of a scene."""
-    layers, tables = scene.half_space.layers, layer_tables(scene)
-    base = not scene.half_space.rigid
+    count, table = len(scene.half_space.layers), scene.table()
+    places = range(count + (not scene.half_space.rigid))
 
     def described(place: int) -> str:
-        return f"layer {place + 1}" if place < len(layers) else "the base below the layers"
+        return f"layer {place + 1}" if place < count else "the base below the layers"
+
+    def key_of(place: int, name: str) -> str:
+        return f"half_space.layers[{place}].{name}" if place < count else f"half_space.{name}"
+
+    def value_of(place: float, name: str) -> float:
+        return float(looked_up(table, key_of(int(place), name)))
 
     def without_layers(scene: Scene, place: float) -> Scene:
-        below = {key: tables[int(place)][key] for key in ("youngs_modulus", "poisson_ratio")}
+        below = {name: value_of(place, name) for name in ("youngs_modulus", "poisson_ratio")}
         return scene.changed({"half_space": below})
 
     yield Mistake(
@@ -628,69 +547,72 @@ def layer_mistakes(scene: Scene) -> Iterator[Mistake]:
             "without the layers of the scene"
         ),
         "compare the material of the model at each depth with the layers of the scene",
-        (choice(SceneChange(without_layers), *range(len(layers) + base)),),
+        (choice(SceneChange(without_layers), *places),),
         # a layer of the modulus of the base is none
         "modulus of a layer",
-        size=lambda place: tables[int(place)]["youngs_modulus"] / tables[0]["youngs_modulus"],
+        size=lambda place: value_of(place, "youngs_modulus") / value_of(0, "youngs_modulus"),
     )
-    if len(layers) > MAX_LAYERS:
+    if count > MAX_LAYERS:
         return
-    for place in range(len(layers) + base):
+    for place in places:
         ends = math.exp(-COARSE), math.exp(COARSE)
-        for key in ["youngs_modulus", "thickness"][: 1 + (place < len(layers))]:
-            words = key.removeprefix("youngs_")
+        for name in ["youngs_modulus", "thickness"][: 1 + (place < count)]:
+            words = name.removeprefix("youngs_")
+            change = multiplied(key_of(place, name))
             yield Mistake(
                 f"{words} of a layer",
                 f"a {words} of {described(place)} of {{0:.4g}} times ours",
                 "compare Young's modulus and the thickness of each layer",
-                (scale(key, with_material(place, key), math.log(5), ends, COARSE),),
+                (factor(change, ends, math.log(5), COARSE),),
             )
-        ratio = tables[place]["poisson_ratio"]
+        ratio = value_of(place, "poisson_ratio")
         ratios = [each for each in (0.0, 0.2, 0.3, 0.4, 0.45, 0.49) if abs(each - ratio) > 0.005]
         yield Mistake(
             "Poisson's ratio of a layer",
             f"a Poisson's ratio of {described(place)} of about {{0:.2g}}",
             "compare Poisson's ratio of each layer",
-            (choice(SceneChange(with_material(place, "poisson_ratio")), *ratios),),
+            (choice(key_of(place, "poisson_ratio"), *ratios),),
         )
-    for places in combinations(range(len(layers) + base), 2):
+    for upper, lower in combinations(places, 2):
         for moved, what in (
             (("youngs_modulus", "poisson_ratio"), "materials"),
             (("youngs_modulus",), "moduli"),
         ):
+            exchanged = {
+                key_of(place, name): value_of(other, name)
+                for place, other in ((upper, lower), (lower, upper))
+                for name in moved
+            }
             yield Mistake(
                 "swapped layers",
-                f"swapped {what} of {described(places[0])} and {described(places[1])}",
+                f"swapped {what} of {described(upper)} and {described(lower)}",
                 "compare the material of the model at each depth with the layers of the scene",
-                (choice(SceneChange(with_exchanged(places, moved)), 1.0),),
+                (choice(replaced(exchanged), 1.0),),
             )
 
 
 def shape_mistakes(scene: Scene) -> Iterator[Mistake]:
     """Yield mistakes in the load, the modulus and the shape of a punch that is not flat."""
-    changes = dict[str, tuple[str, Callable[[Scene, float], Scene]]]()
-    if isinstance(scene.load_.normal_force, float):
-        changes["normal force"] = "a load", with_force
-    if scene.half_space.punch_youngs_modulus is None:
-        changes["modulus"] = "a modulus of the half-space", with_modulus
-    for key in ("curvature_radius", "ball_radius"):
-        if hasattr(scene.punch.profile, key):
-            changes["radius of curvature"] = (
-                "a radius of curvature of the punch",
-                partial(_with_curvature, key),
+    rows = [
+        ("normal force", "a load", "load.normal_force"),
+        ("modulus", "a modulus of the half-space", "half_space.youngs_modulus"),
+        *(
+            ("radius of curvature", "a radius of curvature of the punch", f"punch.profile.{key}")
+            for key in ("curvature_radius", "ball_radius")
+        ),
+    ]
+    table = scene.table()
+    # a wrong modulus of an elastic punch would have the same effect
+    elastic = scene.half_space.punch_youngs_modulus is not None
+    for name, words, key in rows:
+        if isinstance(looked_up(table, key), float) and not (elastic and name == "modulus"):
+            yield Mistake(
+                name,
+                f"{words} of {{0:.4g}} times ours",
+                "compare this number of the input; compute with another one, and compare the "
+                "change",
+                (factor(multiplied(key), (0.75, 1.33), math.log(2), 0.29),),
             )
-    for name, (words, change) in changes.items():
-        yield Mistake(
-            name,
-            f"{words} of {{0:.4g}} times ours",
-            "compare this number of the input; compute with another one, and compare the change",
-            (scale(name, change, math.log(2), (0.75, 1.33), 0.29),),
-        )
-
-
-def _with_curvature(key: str, scene: Scene, size: float) -> Scene:
-    radius: float = getattr(scene.punch.profile, key)
-    return scene.changed({f"punch.profile.{key}": radius * size})
 
 
 def named(mistake: Mistake, values: tuple[float, ...], comparison: Comparison) -> str:
@@ -700,8 +622,8 @@ def named(mistake: Mistake, values: tuple[float, ...], comparison: Comparison) -
     plane = 1 - comparison.scene.problem.poisson_ratio**2
     labels = {1e3: "units", 1e6: "units", 2 * math.pi: "2 pi missing", plane: "Poisson's ratio"}
     for number, label in labels.items():
-        nearest = min(abs(values[0] / number - 1), abs(values[0] * number - 1))
-        if number != 1 and nearest < MAX_FACTOR_DIFFERENCE:
+        near = np.isclose(values[0], [number, 1 / number], rtol=MAX_FACTOR_DIFFERENCE, atol=0.0)
+        if number != 1 and near.any():
             return label
     # a factor of another mistake may come to that of a unit
     if round(math.log(abs(values[0]), 1000)) and len(mistake.changes.split(" and ")) > 1:

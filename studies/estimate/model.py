@@ -6,16 +6,17 @@ punch need new modes on the same discretisation. Whatever needs a new discretisa
 solved at the nodes of a lattice in the coordinates on which it depends, and is interpolated.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
 from math import prod
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
+from scipy.interpolate import BarycentricInterpolator
 
-from ...meshes import Array, Compliance, SceneError
+from ...meshes import Array, SceneError
 from ..crosscheck import LOG, QUANTITIES, Problem, Scene
 from .histories import CELL, FlatHistory, March, Strips, discretise, with_uniform
 from .measurement import Measurement
@@ -33,8 +34,8 @@ STENCIL, SHORT_STENCIL = np.array([-1, 0, 1, 2]), np.array([0, 1])
 HEIGHTS = 24
 # greatest relative error of the model that is corrected
 MAX_CORRECTION = 0.1
-# numbers of stored histories, and of stored scenes
-STORED, STORED_SITUATIONS = 300, 5000
+# number of histories that are stored, and of what is stored of any other kind
+STORED = 300
 
 
 History: TypeAlias = FlatHistory | March | Strips
@@ -49,103 +50,6 @@ class Weighted(NamedTuple):
     problem: Problem
 
 
-@dataclass(frozen=True, eq=False)
-class Solver:
-    """Solve scenes, each non-dimensional problem once.
-
-    Parameters
-    ----------
-    rtol : tolerance
-    times : times of the data after the start, for which discretisations are made
-    radii : radii of the data, over the radius of the punch
-    fields : whether fields or volumes are needed, not only the indentation
-    rough : whether lattices of two dimensions are interpolated linearly
-    direct : whether every scene is solved, and nothing is interpolated
-    """
-
-    rtol: float
-    times: Array
-    radii: Array
-    fields: bool
-    rough: bool = False
-    direct: bool = False
-    situations: dict[object, Situation] = field(default_factory=dict)
-    nodes: dict[object, tuple[History, Problem]] = field(default_factory=dict)
-    _samples: dict[object, dict[str, Array]] = field(default_factory=dict)
-    _compliances: dict[object, Compliance] = field(default_factory=dict)
-    _histories: dict[object, History] = field(default_factory=dict)
-
-    def history(self, scene: Scene, reading: Reading) -> History:
-        """Return the history of a scene."""
-        problem = scene.problem
-        times = reading.times(self.times) / problem.units.time
-        times = times[times > 0] if (times > 0).any() else np.array([1e-3, 1.0])
-        if reading.plane_strain:
-            return self._strips(scene)
-        if is_flat(problem):
-            return self._flat_history(scene, problem, times, reading)
-        return self._march(scene, problem, times)
-
-    def sample(
-        self, history: History, times: Array, radii: Array, step: float, names: tuple[str, ...]
-    ) -> dict[str, Array]:
-        """Return the named quantities of a history; those that were sampled before are stored."""
-        key = history, times.tobytes(), radii.tobytes(), step, names
-        if key not in self._samples:
-            if len(self._samples) > STORED:
-                self._samples.clear()
-            # all kinds of histories have the same names, so that they can be interpolated
-            found = history.sample(times, radii, step, names)
-            self._samples[key] = {name: found[name] for name in names}
-        return self._samples[key]
-
-    def _flat_history(
-        self, scene: Scene, problem: Problem, times: Array, reading: Reading
-    ) -> History:
-        distances = problem.loading.at(times).distance
-        distances = distances[distances > 0]
-        ends = float(distances.min()), float(distances.max())
-        geometry = written(ground_numbers(scene))
-        if geometry not in self._compliances:
-            coarse = replace(problem, rtol=self.rtol)
-            self._compliances[geometry] = discretise(coarse, *ends, self.fields)
-        added = 0.0
-        if problem.indentation is not None:
-            added = reading.ground_compliance * problem.units.force / problem.units.displacement
-        wear = wear_coefficients(scene) / problem.units.wear_coefficient
-        numbers = wear, load_numbers(problem), np.array([added])
-        key = geometry, written(np.concatenate(numbers))
-        if key not in self._histories:
-            while len(self._histories) >= STORED:
-                del self._histories[next(iter(self._histories))]
-            compliance = self._compliances[geometry]
-            if added:
-                compliance = with_uniform(compliance, added)
-            self._histories[key] = FlatHistory(problem, compliance, ends[0] / 10)
-        return self._histories[key]
-
-    def _strips(self, scene: Scene) -> History:
-        numbers = scene.problem.ring_edges, wear_coefficients(scene)
-        key = "strips", written(np.concatenate(numbers))
-        if key not in self._histories:
-            self._histories[key] = Strips.of(scene.problem)
-        return self._histories[key]
-
-    def _march(self, scene: Scene, problem: Problem, times: Array) -> History:
-        clock, key = clock_of(problem), written(shape_numbers(scene))
-        earliest, latest = float(times.min()) / clock, float(times.max()) / clock
-        stored = self._histories.get(key)
-        if isinstance(stored, March):
-            if stored.earliest <= earliest and latest <= stored.latest:
-                return stored
-            earliest, latest = min(earliest, stored.earliest), max(latest, stored.latest)
-        coarse = replace(problem, rtol=MARCH_RTOL_FACTOR * self.rtol)
-        march = March.compute(coarse, clock, earliest, latest, self.radii)
-        self._histories[key] = march
-        LOG.info("     fit  %d marches ...", len(self._histories))
-        return march
-
-
 def is_flat(problem: Problem) -> bool:
     """Return whether the contact is full for all parameters, not only predicted to be."""
     return problem.full_contact and not problem.keeps_contact
@@ -157,21 +61,10 @@ def clock_of(problem: Problem) -> float:
 
 
 def wear_coefficients(scene: Scene) -> Array:
-    """Return the wear coefficients (J,) of the rings of a scene, or the values of its table."""
-    values = np.array(scene.punch.coefficients)
-    return values if scene.punch.table else np.resize(values, len(scene.problem.wear_coefficients))
-
-
-def ground_numbers(scene: Scene) -> Array:
-    """Return the numbers on which a discretised half-space depends: ring edges and layers."""
-    problem = scene.problem
-    layers = np.empty(0)
-    if (ground := problem.ground).layered:
-        shear = np.array(ground.shear_moduli) / ground.shear_moduli[0]
-        numbers = *ground.thicknesses, *np.minimum(shear, 1e9), *ground.poisson_ratios
-        layers = np.array([ground.share, *numbers])
-    graded = np.array(scene.punch.table.radii if scene.punch.table else ())
-    return np.concatenate([problem.ring_edges, layers, graded / problem.units.length])
+    """Return the wear coefficients (N,) of rings, or values of a table, over the greatest."""
+    if table := scene.punch.table:
+        return np.array(table.values) / scene.problem.units.wear_coefficient
+    return scene.problem.wear_coefficients
 
 
 def load_numbers(problem: Problem) -> Array:
@@ -184,19 +77,30 @@ def load_numbers(problem: Problem) -> Array:
 def shape_numbers(scene: Scene) -> Array:
     """Return the numbers on which a discretisation depends and, if the contact moves, a march.
 
-    The latter are 0 if it does not move.
+    The former are edges, layers and radii of a table. The latter are 0 if the contact does not
+    move.
     """
-    problem = scene.problem
+    problem, table, ground = scene.problem, scene.punch.table, scene.problem.ground
+    layers = ground.share, *ground.thicknesses, *ground.poisson_ratios
+    moduli = np.minimum(ground.shear_moduli, 1e9)
+    graded = np.array(table.radii if table else ()) / problem.units.length
+    wear = wear_coefficients(scene)
     radii = np.linspace(problem.inner_radius, 1.0, HEIGHTS)
-    contrasts = wear_coefficients(scene)
-    of_march = [load_numbers(problem), np.log(contrasts / contrasts[0]), problem.profile(radii)]
+    of_march = [load_numbers(problem), np.log(wear / wear[0]), problem.profile(radii)]
     moves = not is_flat(problem)
-    return np.concatenate([ground_numbers(scene), moves * np.concatenate(of_march)])
+    return np.concatenate(
+        [
+            problem.ring_edges,
+            *[layers, moduli] * ground.layered,
+            graded,
+            moves * np.concatenate(of_march),
+        ]
+    )
 
 
-def written(numbers: Array) -> tuple[str, ...]:
-    """Return numbers as texts without their roundoff, as a key."""
-    return tuple(f"{number:.8e}" for number in numbers)
+def written(numbers: Array) -> bytes:
+    """Return numbers without their roundoff, and zeros without a sign, as a key."""
+    return (numbers + 0.0).astype(np.float32).tobytes()
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,21 +112,27 @@ class Model:
     scene : with the initial values of the parameters
     parameters : m parameters
     measurements : that are predicted
-    solver : with the histories that have been computed
+    rtol : tolerance to which scenes are solved
     origin : (m,) coordinates of a point of the lattice, at which nothing is interpolated
     known : accurate values of each measurement in the scene as it is, if there are any: predictions
         are multiplied by their ratio to those of the model, whose tolerance is loose
     mesh_errors : relative errors of each measurement on a linear mesh, if they are known; a reading
         tells which part of them a table has
+    rough : whether lattices of two dimensions are interpolated linearly
+    direct : whether every scene is solved, and nothing is interpolated
+    stored : what has been computed, which models share that differ in other fields
     """
 
     scene: Scene
     parameters: tuple[Parameter, ...]
     measurements: tuple[Measurement, ...]
-    solver: Solver
+    rtol: float
     origin: Array
     known: tuple[Array, ...] = ()
     mesh_errors: tuple[Array, ...] = ()
+    rough: bool = False
+    direct: bool = False
+    stored: dict[str, dict[object, Any]] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -235,24 +145,15 @@ class Model:
         rough: bool = False,
     ) -> "Model":
         """Return the model of a scene, with a tolerance."""
-        times = np.concatenate([each.times for each in measurements])
-        solver = Solver(rtol, times[times > 0], *_needs(scene, measurements), rough)
         if not scene.problem.loading.varies:
             # the times of the measurements count, and a scene with one time is changed faster
-            scene = scene.changed(wear__times=[float(times.max())])
-        zeros = np.zeros(len(parameters))
-        return cls(scene, parameters, measurements, solver, zeros if origin is None else origin)
-
-    @property
-    def rtol(self) -> float:
-        """The tolerance to which the model is solved."""
-        return self.solver.rtol
+            last = max(float(each.times.max()) for each in measurements)
+            scene = scene.changed(wear__times=[last])
+        origin = np.zeros(len(parameters)) if origin is None else origin
+        return cls(scene, parameters, measurements, rtol, origin, rough=rough)
 
     def for_measurements(self, measurements: tuple[Measurement, ...]) -> "Model":
-        """Return the model that predicts other measurements."""
-        radii, fields = _needs(self.scene, measurements)
-        if fields > self.solver.fields or not np.isin(radii, self.solver.radii).all():
-            return Model.of(self.scene, self.parameters, measurements, self.rtol, self.origin)
+        """Return the model that predicts other measurements, at about these times and radii."""
         return replace(self, measurements=measurements)
 
     def with_parameters(self, parameters: tuple[Parameter, ...]) -> "Model":
@@ -263,11 +164,20 @@ class Model:
     @property
     def interpolates(self) -> bool:
         """Whether histories are interpolated."""
-        return not self.solver.direct and bool(len(self._lattice[0]))
+        return not self.direct and bool(len(self._lattice[0]))
 
     def solved_directly(self) -> "Model":
         """Return the model without interpolation; it shares all solutions."""
-        return replace(self, solver=replace(self.solver, direct=True))
+        return replace(self, direct=True)
+
+    def once(self, kind: str, key: object, compute: Callable[[], Any]) -> Any:
+        """Return what is stored of a kind under a key, or else what is computed, and store it."""
+        kept = self.stored.setdefault(kind, {})
+        if key not in kept:
+            while len(kept) >= STORED:
+                del kept[next(iter(kept))]
+            kept[key] = compute()
+        return kept[key]
 
     def predict(self, x: Array) -> list[Array]:
         """Return the values (n,) of each measurement at coordinates (m,)."""
@@ -284,46 +194,89 @@ class Model:
     def _ratios(self) -> list[Array]:
         """Ratios of known values to those of the model in the scene as it is; 1 if far from 1."""
         alone = replace(self, parameters=(), origin=np.zeros(0), known=(), mesh_errors=())
-        ratios = []
-        for known, own in zip(self.known, alone.predict(np.zeros(0)), strict=True):
-            with np.errstate(all="ignore"):
-                ratio = known / own
-            near = np.abs(ratio - 1) < MAX_CORRECTION
-            ratios.append(np.where(near, ratio, 1.0))
-        return ratios
+        pairs = zip(self.known, alone.predict(np.zeros(0)), strict=True)
+        with np.errstate(all="ignore"):
+            ratios = [known / own for known, own in pairs]
+        return [np.where(np.abs(each - 1) < MAX_CORRECTION, each, 1.0) for each in ratios]
 
     def _situation(self, x: Array) -> Situation:
         """Return the scene and the reading at coordinates (m,); each scene is made once."""
-        pairs = list(zip(self.parameters, x.tolist(), strict=True))
-        key = tuple(pair for pair in pairs if pair[0].of_scene)
-        stored = self.solver.situations
-        if key not in stored:
-            if len(stored) > STORED_SITUATIONS:
-                stored.clear()
-            stored[key] = situation(self.scene, [each for each, _ in key], [x for _, x in key])
-        rest = [pair for pair in pairs if not pair[0].of_scene]
-        scene, reading = stored[key]
-        return situation(scene, [each for each, _ in rest], [x for _, x in rest], reading)
+        parameters = np.array(self.parameters, dtype=object)
+        of_scene = np.array([each.of_scene for each in parameters], dtype=bool)
+        scene, reading = self.once(
+            "scene",
+            (*parameters[of_scene], x[of_scene].tobytes()),
+            lambda: situation(self.scene, parameters[of_scene], x[of_scene]),
+        )
+        return situation(scene, parameters[~of_scene], x[~of_scene], reading)
+
+    def history(self, scene: Scene, reading: Reading) -> History:
+        """Return the history of a scene; each non-dimensional problem is solved once."""
+        problem = scene.problem
+        times = np.concatenate([each.times for each in self.measurements])
+        # of a table that has only the start, any times
+        times = reading.times(times[times > 0]) / problem.units.time
+        times = times[times > 0] if (times > 0).any() else np.array([1e-3, 1.0])
+        if reading.plane_strain:
+            return Strips.of(problem)
+        if not is_flat(problem):
+            return self._march(scene, problem, times)
+        distances = problem.loading.at(times).distance
+        distances = distances[distances > 0]
+        earliest, latest = float(distances.min()), float(distances.max())
+        # volumes count as fields
+        fields = any(
+            each.quantity not in ("indentation", "normal_force") for each in self.measurements
+        )
+        shape, added = shape_numbers(scene), 0.0
+        if problem.indentation is not None:
+            added = reading.ground_compliance * problem.units.force / problem.units.displacement
+        numbers = shape, wear_coefficients(scene), load_numbers(problem), [added]
+        compliance = self.once(
+            "compliance",
+            written(shape),
+            lambda: discretise(replace(problem, rtol=self.rtol), earliest, latest, fields),
+        )
+        flat: FlatHistory = self.once(
+            "history",
+            written(np.concatenate(numbers)),
+            lambda: FlatHistory(
+                problem,
+                with_uniform(compliance, added) if added else compliance,
+                earliest / 10,
+            ),
+        )
+        return flat
+
+    def _march(self, scene: Scene, problem: Problem, times: Array) -> History:
+        clock, key = clock_of(problem), written(shape_numbers(scene))
+        earliest, latest = float(times.min()) / clock, float(times.max()) / clock
+        marches = self.stored.setdefault("march", {})
+        if stored := marches.get(key):
+            if stored.earliest <= earliest and latest <= stored.latest:
+                return stored
+            earliest, latest = min(earliest, stored.earliest), max(latest, stored.latest)
+        given = [each.radii for each in self.measurements if each.radii is not None]
+        radii = np.unique(np.concatenate([*given, [problem.units.length]])) / problem.units.length
+        coarse = replace(problem, rtol=MARCH_RTOL_FACTOR * self.rtol)
+        marches[key] = March.compute(coarse, clock, earliest, latest, radii)
+        LOG.info("     fit  %d marches ...", len(marches))
+        return marches[key]
 
     def _histories(self, x: Array) -> list[Weighted]:
         """Return histories and their weights in the one at coordinates (m,).
 
         There is only one history, with the weight 1, if no interpolation is needed.
         """
-        histories, nodes = [], self.solver.nodes
-        for weight, node in self._nodes(x):
-            key = self.parameters, node.tobytes()
-            if key not in nodes:
-                if len(nodes) > STORED:
-                    nodes.clear()
-                scene, reading = self._situation(node)
-                nodes[key] = self.solver.history(scene, reading), scene.problem
-            histories.append(Weighted(weight, *nodes[key]))
-        return histories
+        situations = [(weight, *self._situation(node)) for weight, node in self._nodes(x)]
+        return [
+            Weighted(weight, self.history(scene, reading), scene.problem)
+            for weight, scene, reading in situations
+        ]
 
     def _nodes(self, x: Array) -> Iterator[tuple[float, Array]]:
         """Yield the lattice points (m,) around coordinates (m,), each with its weight."""
-        if self.solver.direct:
+        if self.direct:
             yield 1.0, x
             return
         to_lattice, from_lattice, ends = self._lattice
@@ -331,7 +284,7 @@ class Model:
         # at a lattice point, the weights of all other points become exactly 0
         rounded = np.round(positions)
         exact = np.where(np.abs(positions - rounded) < 1e-9, rounded, positions)
-        stencil = SHORT_STENCIL if self.solver.rough and len(positions) > 1 else STENCIL
+        stencil = SHORT_STENCIL if self.rough and len(positions) > 1 else STENCIL
         # no point is outside the range of the parameters
         below = np.clip(np.floor(exact), -ends - stencil[0], ends - stencil[-1])
         weights = [lagrange(float(fraction), stencil) for fraction in exact - below]
@@ -347,25 +300,23 @@ class Model:
     def _lattice(self) -> tuple[Array, Array, Array]:
         """Matrices from coordinates to positions in the lattice (K, m), and back (m, K); ends (K,).
 
-        The lattice has the K directions in which the shape changes. Its ends are those of the
-        parameters if each of these directions is that of one parameter; otherwise infinite.
+        The lattice has the K directions in which the shape changes. They are those of parameters,
+        and end where these do, if no more parameters than these change it.
 
         Raises
         ------
         SceneError
             if there are too many dimensions
         """
-        count = len(self.parameters)
+
+        def shape(shift: Array) -> Array:
+            return shape_numbers(self._situation(self.origin + shift)[0])
+
         spacing = np.array([each.spacing for each in self.parameters])
-        continuous = np.flatnonzero([not each.values for each in self.parameters])
-        changes = np.zeros((count, len(shape_numbers(self._situation(self.origin)[0]))))
-        for number in continuous:
-            shift = np.zeros(count)
-            shift[number] = STEP * spacing[number]
-            above, below = (
-                shape_numbers(self._situation(self.origin + each)[0]) for each in (shift, -shift)
-            )
-            changes[number] = (above - below) / (2 * STEP)
+        continuous = np.array([not each.values for each in self.parameters], dtype=float)
+        changes = np.zeros((len(spacing), len(shape(0 * spacing))))
+        for number, shift in enumerate(STEP * np.diag(spacing * continuous)):
+            changes[number] = (shape(shift) - shape(-shift)) / (2 * STEP)
         effective = np.linalg.norm(changes, axis=1) > 1e-6
         _, singular, right = np.linalg.svd(changes.T, full_matrices=False)
         rank = int(np.sum(singular > 1e-6))
@@ -377,56 +328,39 @@ class Model:
             )
         directions, ends = right[:rank], np.full(rank, np.inf)
         if rank == effective.sum():
-            directions = np.eye(count)[effective]
+            directions = np.eye(len(spacing))[effective]
             reach = np.array([each.reach for each in self.parameters])
-            ends = np.round((reach / spacing)[effective], 6) // 1
-            ends = np.maximum(ends, 2)
+            ends = np.maximum(np.round(reach / spacing, 6)[effective] // 1, 2)
         return directions / spacing, spacing[:, None] * directions.T, ends
-
-    def _radii_at(self, times: Array) -> Array:
-        """Return the radii (R,) of the measurements at the same times that have radii."""
-        return next(
-            (
-                each.radii
-                for each in self.measurements
-                if each.radii is not None and np.array_equal(each.times, times)
-            ),
-            np.empty(0),
-        )
 
     def _read(
         self, problem: Problem, reading: Reading, histories: Sequence[Weighted]
     ) -> list[Array]:
         """Return the values (n,) of each measurement that a reading of a problem has."""
         units, values = problem.units, list[Array]()
-        # histories are alike in the time in which their first wear coefficients are 1; if the load
-        # varies, all have to have the load of the same time
-        seconds = [
-            part.problem.units.time
-            if problem.loading.varies
-            else units.time * clock_of(problem) / clock_of(part.problem)
-            for part in histories
-        ]
         names = tuple(sorted({"normal_force", *(each.quantity for each in self.measurements)}))
         for each in self.measurements:
-            times = each.times[:1] if each.has_offset else each.times
-            radii = self._radii_at(each.times)
-            since = reading.times(times)
-            own_radii = radii * (reading.radius_scale / units.length)
-            if any(other.means is not None for other in self.measurements):
-                # radii beyond the rim, or in a hole, have the values at the edge
-                own_radii = np.clip(own_radii, problem.inner_radius + 1e-4, 1 - 1e-4)
-            step = reading.step / units.time
-            samples = weighted(
-                [
-                    (
-                        part.weight,
-                        self.solver.sample(part.history, since / second, own_radii, step, names),
-                    )
-                    for part, second in zip(histories, seconds, strict=True)
-                ]
+            since = reading.times(each.times[:1] if each.has_offset else each.times)
+            # those of all measurements at these times, which are sampled at once
+            radii = next(
+                (
+                    other.radii * (reading.radius_scale / units.length)
+                    for other in self.measurements
+                    if other.radii is not None and np.array_equal(other.times, each.times)
+                ),
+                np.empty(0),
             )
-            predicted = samples[each.quantity]
+            if each.bias:
+                # radii beyond the rim, or in a hole, have the values at the edge
+                radii = np.clip(radii, problem.inner_radius + 1e-4, 1 - 1e-4)
+            samples = [
+                (part.weight, self._sample(part, problem, since, radii, reading.step, names))
+                for part in histories
+            ]
+            predicted, force = (
+                np.sum([weight * sample[name] for weight, sample in samples], axis=0)
+                for name in (each.quantity, "normal_force")
+            )
             if each.quantity == "worn_volume":
                 predicted = predicted.sum(axis=1) if each.ring is None else predicted[:, each.ring]
             predicted = predicted * unit_of(units, each.quantity)
@@ -434,22 +368,36 @@ class Model:
                 compliance = reading.compliance
                 if problem.indentation is None:
                     compliance += reading.ground_compliance
-                shift = reading.offset + compliance * units.force * samples["normal_force"]
-                predicted = predicted + (shift if predicted.ndim == 1 else shift[:, None])
+                shift = reading.offset + compliance * units.force * force
+                predicted = (predicted.T + shift).T
             if each.means is not None:
                 predicted = predicted @ each.means.T
             values.append(predicted.ravel() * reading.factors.get(each.quantity, 1.0))
         return values
 
+    def _sample(
+        self,
+        part: Weighted,
+        problem: Problem,
+        since: Array,
+        radii: Array,
+        step: float,
+        names: tuple[str, ...],
+    ) -> dict[str, Array]:
+        """Return quantities of a history, at times of a problem that it is a part of.
 
-def _needs(scene: Scene, measurements: Sequence[Measurement]) -> tuple[Array, bool]:
-    """Return the radii of measurements, over the punch radius, and whether fields are needed.
-
-    Volumes count as fields.
-    """
-    radii = [each.radii / scene.punch.radius for each in measurements if each.radii is not None]
-    fields = any(each.quantity not in ("indentation", "normal_force") for each in measurements)
-    return np.unique(np.concatenate([[1.0], *radii])), fields
+        Histories are alike in the time in which their first wear coefficients are 1; if the load
+        varies, all have to have the load of the same time.
+        """
+        unit = (part.problem if problem.loading.varies else problem).units.time
+        times = since / (unit * clock_of(problem) / clock_of(part.problem))
+        step /= problem.units.time
+        sampled: dict[str, Array] = self.once(
+            "sample",
+            (part.history, times.tobytes(), radii.tobytes(), step, names),
+            lambda: part.history.sample(times, radii, step, names),
+        )
+        return sampled
 
 
 def unit_of(units: object, quantity: str) -> float:
@@ -458,23 +406,9 @@ def unit_of(units: object, quantity: str) -> float:
     return float(getattr(units, kind or QUANTITIES[quantity].unit))
 
 
-def weighted(samples: list[tuple[float, dict[str, Array]]]) -> dict[str, Array]:
-    """Return the weighted sum of samples, which have the same names."""
-    if len(samples) == 1:
-        return samples[0][1]
-    return {
-        name: np.sum([weight * each[name] for weight, each in samples], axis=0)
-        for name in samples[0][1]
-    }
-
-
-def lagrange(position: float, stencil: Array = STENCIL) -> tuple[float, ...]:
+def lagrange(position: float, stencil: Array = STENCIL) -> Array:
     """Return the weights of the values at the points of a stencil in the polynomial through them.
 
     They are those at a position, usually between 0 and 1.
     """
-    points = stencil.astype(float)
-    return tuple(
-        float(np.prod([(position - other) / (each - other) for other in points if other != each]))
-        for each in points
-    )
+    return BarycentricInterpolator(stencil, np.eye(len(stencil)))(position)

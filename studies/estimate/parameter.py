@@ -49,11 +49,6 @@ class Reading(NamedTuple):
         """Return the times of the scene since sliding began, from those of a table."""
         return np.maximum(times * self.time_scale - self.start_time, 0.0)
 
-    def changed(self, name: str, value: float) -> "Reading":
-        """Return the reading with another value of one of its numbers."""
-        changes: dict[str, Any] = {name: value}
-        return self._replace(**changes)
-
     def multiplied(self, factor: float, *quantities: str) -> "Reading":
         """Return the reading with the columns of some quantities multiplied."""
         changed = {name: factor * self.factors.get(name, 1.0) for name in quantities}
@@ -86,8 +81,9 @@ class Parameter:
     Parameters
     ----------
     name : such as a key of the scene
-    change : returns the scene and the reading with a value of the parameter put in; or a key of the
-        scene, with the index of a value in brackets if it is one of a list
+    change : returns the scene and the reading with a value of the parameter put in; or the name of
+        a field of the reading, or a key of the scene, with the index of a value in brackets if it
+        is one of a list
     value : at x = 0: where a search begins
     reach : greatest absolute value of x
     logarithmic : whether it is positive, or negative, and described by its logarithm
@@ -112,12 +108,7 @@ class Parameter:
     @property
     def of_scene(self) -> bool:
         """Whether it changes the scene, and not the reading."""
-        return isinstance(self.change, str | SceneChange)
-
-    @property
-    def wear(self) -> bool:
-        """Whether it is a wear coefficient, or a ratio of two."""
-        return self.name.startswith("punch.wear_")
+        return isinstance(self.change, str | SceneChange) and self.change not in Reading._fields
 
     def at(self, x: float) -> float:
         """Return the value at a coordinate."""
@@ -140,20 +131,24 @@ def situation(
 ) -> Situation:
     """Return the scene and the reading at coordinates (m,) of the parameters.
 
-    All keys of the scene are set first, at once; the other changes are made in their order.
+    All keys and fields are set first, at once; the other changes are made in their order.
     """
-    values = [each.at(float(coordinate)) for each, coordinate in zip(parameters, x, strict=True)]
-    pairs = list(zip(parameters, values, strict=True))
-    keys = {each.change: value for each, value in pairs if isinstance(each.change, str)}
-    if keys:
-        scene = with_values(scene, keys)
-    for parameter, value in pairs:
-        if not isinstance(parameter.change, str):
-            scene, reading = parameter.change(scene, reading, value)
+    changes = [
+        (each.change, each.at(float(coordinate)))
+        for each, coordinate in zip(parameters, x, strict=True)
+    ]
+    named: dict[str, Any] = {key: value for key, value in changes if isinstance(key, str)}
+    fields = {key: named.pop(key) for key in Reading._fields if key in named}
+    if named:
+        scene = with_values(scene, named)
+    reading = reading._replace(**fields)
+    for change, value in changes:
+        if not isinstance(change, str):
+            scene, reading = change(scene, reading, value)
     return scene, reading
 
 
-def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
+def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
     """Return the scene with the values of keys, some of which may be those of values in lists."""
     changes, table = dict[str, Any](), scene.table()
     for name, value in values.items():

@@ -33,11 +33,7 @@ MAX_FIRST_STEP = 2.0
 
 
 class BetterPointError(Exception):
-    """A search has found a point with a lower chi-square than the best one."""
-
-    def __init__(self, point: Point) -> None:
-        super().__init__()
-        self.point = point
+    """A search has found a point with a lower chi-square than the best one: its argument."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -113,20 +113,6 @@ class Candidate:
         return tuple(each.at(float(x)) for each, x in zip(parameters, self.point.x, strict=False))
 
     @cached_property
-    def intervals(self) -> list[tuple[float, float]]:
-        """95 % intervals of the fitted values, by the curvature, within the range of each."""
-        free = self.likelihood.free
-        deviations = np.zeros(0)
-        if free:
-            deviations = np.sqrt(np.diag(self.likelihood.covariance(self.point.x)))
-        intervals = []
-        for number, deviation in zip(free, deviations, strict=True):
-            each = self.likelihood.parameters[number]
-            low, high = self.point.x[number] + 1.96 * deviation * np.array([-1, 1])
-            intervals.append((each.at(max(low, -each.reach)), each.at(min(high, each.reach))))
-        return intervals
-
-    @cached_property
     def errors(self) -> Array:
         """(Q,) root mean squares of the relative errors that remain, by measurement."""
         measured = np.concatenate([each.values for each in self.likelihood.measurements])
@@ -138,12 +124,11 @@ class Candidate:
 
     def _relative_sizes(self, differences: Array) -> Array:
         """Return root mean squares (Q,) of differences over the noise, over the sizes of data."""
-        present = np.isfinite(self.likelihood.noise)
-        ends = np.cumsum([len(each.values) for each in self.likelihood.measurements])[:-1]
-        squares = np.where(present, differences, 0.0) ** 2
-        parts = zip(np.split(squares, ends), np.split(present, ends), strict=True)
+        likelihood, present = self.likelihood, np.isfinite(self.likelihood.noise)
+        squares = likelihood.split(np.where(present, differences, 0.0) ** 2)
+        pairs = zip(squares, likelihood.split(present), strict=True)
         return NOISE * np.array(
-            [np.sqrt(part.sum() / max(1, there.sum())) for part, there in parts]
+            [np.sqrt(each.sum() / max(1, there.sum())) for each, there in pairs]
         )
 
     @cached_property
@@ -202,19 +187,14 @@ def select(
             further = of_mesh if mistake.name != COARSE_MESH else ()
             if found := _with_mistake(none, mistake, further):
                 candidates.append(found)
-    candidates.sort(key=lambda each: each.score)
-    candidates = [*map(_refined, candidates[:MAX_SOLVED]), *candidates[MAX_SOLVED:]]
+    first = sorted(candidates, key=lambda each: each.score)[:MAX_SOLVED]
+    candidates = [_refined(each) if each in first else each for each in candidates]
     # of mistakes that leave about the same, the one with fewest parameters is first, and then
     # the first one of the table
-    order = {id(each): number for number, each in enumerate(mistakes)}
     best = min(each.score for each in candidates)
     return sorted(
         candidates,
-        key=lambda each: (
-            max(each.score - best - ALIKE, 0.0),
-            len(each.likelihood.parameters),
-            order.get(id(each.mistake), -1),
-        ),
+        key=lambda each: (max(each.score - best - ALIKE, 0.0), len(each.likelihood.parameters)),
     )
 
 
@@ -253,9 +233,8 @@ def _with_mistake(
     likelihood = Likelihood(none.likelihood.predictor.with_parameters(parameters), parameters, free)
     points = []
     for values in mistake.starts:
-        x = np.zeros(len(parameters))
-        for number, value in enumerate(values):
-            x[number] = parameters[number].coordinate(value)
+        x, starts = np.zeros(len(parameters)), zip(mistake.parameters, values, strict=True)
+        x[: len(values)] = [each.coordinate(value) for each, value in starts]
         if np.isfinite(chi_square := float(np.sum(likelihood.residuals(x) ** 2))):
             points.append(Point(x, chi_square))
     if not points:
@@ -267,9 +246,8 @@ def _with_mistake(
             for point in points[:MAX_STARTS]
         ]
     best = min(points, key=lambda point: point.chi_square)
-    own = [number for number in free if number < len(mistake.parameters)]
-    reach = np.array([parameters[number].reach for number in own])
-    if (np.abs(best.x[own]) > reach).any():
+    own = zip(mistake.parameters, best.x.tolist(), strict=False)
+    if any(abs(x) > each.reach for each, x in own):
         return None
     found = Candidate(mistake, likelihood, best, none.floor)
     return found if found.changes(none).max() > MIN_EFFECT else None

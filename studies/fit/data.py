@@ -106,9 +106,9 @@ def read_measurements(
         _refuse_repeated(by_source, name, in_table)
         by_source[name] = in_table
     measurements = [each for in_table in by_source.values() for each in in_table]
-    by_column = _noises(scene, noise, {each.column for each in measurements})
+    by_column = _noises(noise, {each.column for each in measurements})
     return tuple(
-        _with_noise(each, by_column.get(each.column), volume_density or 1.0)
+        _with_noise(scene, each, by_column.get(each.column), volume_density or 1.0)
         for each in measurements
     )
 
@@ -204,8 +204,8 @@ def _without_ring(column: str) -> str:
 
 def _ring(column: str) -> int | None:
     """Return the index of the ring of a column, from 0; None if it is of the whole punch."""
-    number = re.search(r"_(\d+)$", column)
-    return int(number[1]) - 1 if number else None
+    number = column.removeprefix(_without_ring(column))
+    return int(number[1:]) - 1 if number else None
 
 
 def _measurements(table: "DataFrame", density: float) -> list[Measurement]:
@@ -214,23 +214,30 @@ def _measurements(table: "DataFrame", density: float) -> list[Measurement]:
     for column in table:
         base = _without_ring(column)
         rows = table.dropna(subset=[column])
-        quantity, by_time = base, [rows.groupby("time").first().reset_index()]
-        if base in VOLUMES:
-            quantity, by_time = "worn_volume", [each[each["time"] > 0] for each in by_time]
-            if len(by_time[0]) and (by_time[0][column] < 0).all():
-                raise SceneError(
-                    f"all values of {column} are negative: give what has been lost since the "
-                    "start, as positive numbers"
-                )
-        elif base == "profile":
-            by_time = [profile for _, profile in rows[rows["time"] > 0].groupby("time")]
-        for series in by_time:
-            if base in FITTED and len(series):
+        late = rows[rows["time"] > 0]
+        if base in VOLUMES and len(late) and (late[column] < 0).all():
+            raise SceneError(
+                f"all values of {column} are negative: give what has been lost since the start, as "
+                "positive numbers"
+            )
+        by_time = [series for _, series in late.groupby("time")]
+        if base != "profile":
+            numbers = late if base in VOLUMES else rows
+            by_time = [numbers.groupby("time").first().reset_index()]
+        for series in by_time if base in FITTED else ():
+            if len(series):
                 values = series[column].to_numpy() / (density if base == "lost_mass" else 1.0)
-                radii = series["radius"].to_numpy() if base == "profile" else None
-                times, noise = series["time"].to_numpy(), np.ones(len(series))
                 measurements.append(
-                    Measurement(base, quantity, times, values, noise, False, radii, _ring(column))
+                    Measurement(
+                        base,
+                        "worn_volume" if base in VOLUMES else base,
+                        series["time"].to_numpy(),
+                        values,
+                        np.ones(len(values)),
+                        False,
+                        series["radius"].to_numpy() if base == "profile" else None,
+                        _ring(column),
+                    )
                 )
     return measurements
 
@@ -256,8 +263,8 @@ def _positive_number(scene: Scene, text: float | str, kind: str, key: str) -> fl
     return value
 
 
-def _noises(scene: Scene, noise: NoiseInput, columns: set[str]) -> dict[str, tuple[float, float]]:
-    """Return the absolute and the relative noise of each column, one of which is 0."""
+def _noises(noise: NoiseInput, columns: set[str]) -> Mapping[str, float | str]:
+    """Return the noise of each column that has one."""
     if noise is None:
         return {}
     if not isinstance(noise, Mapping):
@@ -266,31 +273,24 @@ def _noises(scene: Scene, noise: NoiseInput, columns: set[str]) -> dict[str, tup
                 f"--noise {noise}: the columns are {', '.join(sorted(columns))}: give a noise for "
                 "each, such as --noise indentation=2e-7,profile=1e-6"
             )
-        noise = dict.fromkeys(columns, noise)
+        return dict.fromkeys(columns, noise)
     if unknown := set(noise) - columns:
         raise SceneError(
             f"--noise of {min(unknown)}: the data has no such column: give noises of "
             f"{', '.join(sorted(columns))}"
         )
-    noises = dict[str, tuple[float, float]]()
-    for column, text in noise.items():
-        key = f"--noise {column}"
-        if isinstance(text, str) and text.strip().endswith("%"):
-            per_cent = _positive_number(scene, text.strip()[:-1], "share", key)
-            noises[column] = 0.0, 0.01 * per_cent
-        else:
-            noises[column] = _positive_number(scene, text, KINDS[column], key), 0.0
-    return noises
+    return noise
 
 
 def _with_noise(
-    measurement: Measurement, noises: tuple[float, float] | None, density: float
+    scene: Scene, measurement: Measurement, given: float | str | None, density: float
 ) -> Measurement:
     """Return a measurement with its noise.
 
     Parameters
     ----------
-    noises : absolute and relative noise; None if the noise is estimated from the residuals
+    scene : whose units a noise has
+    given : absolute, or relative in per cent; None if it is estimated from the residuals
     density : by which an absolute noise of masses is divided, like the masses
 
     Raises
@@ -299,27 +299,30 @@ def _with_noise(
         if there are too few values to estimate the noise, if they are equal, or if a relative noise
         is 0
     """
-    values = measurement.values
-    if noises is None:
-        if len(values) < MIN_VALUES and measurement.quantity != "worn_volume":
+    column, values = measurement.column, measurement.values
+    volumes, key = measurement.quantity == "worn_volume", f"--noise {column}"
+    if given is None:
+        if len(values) < MIN_VALUES and not volumes:
             raise SceneError(
-                f"{measurement.column} has too few values, {len(values)}, to estimate the noise: "
-                f"give --noise {measurement.column}=..."
+                f"{column} has too few values, {len(values)}, to estimate the noise: give {key}=..."
             )
         # the initial noise of volumes is relative to each value, otherwise to the range
-        spread = values if measurement.quantity == "worn_volume" else np.ptp(values)
+        spread = values if volumes else np.ptp(values)
         if not np.all(spread):
             raise SceneError(
-                f"the noise of {measurement.column} cannot be estimated, because its values are "
-                f"equal or 0: give --noise {measurement.column}=..."
+                f"the noise of {column} cannot be estimated, because its values are equal or 0: "
+                f"give {key}=..."
             )
         return replace(measurement, noise=INITIAL_NOISE * np.abs(spread) * np.ones(len(values)))
-    absolute, relative = noises
-    absolute /= density if measurement.column == "lost_mass" else 1.0
-    noise = np.where(absolute > 0, absolute, relative * np.abs(values))
-    if not (noise > 0).all():
-        raise SceneError(
-            f"--noise {measurement.column} in per cent: a value is 0, so its noise would be 0: "
-            "give a number in place of per cent"
-        )
+    if isinstance(given, str) and given.strip().endswith("%"):
+        part = 0.01 * _positive_number(scene, given.strip()[:-1], "share", key)
+        noise = part * np.abs(values)
+        if not noise.all():
+            raise SceneError(
+                f"{key} in per cent: a value is 0, so its noise would be 0: give a number in place "
+                "of per cent"
+            )
+    else:
+        absolute = _positive_number(scene, given, KINDS[column], key)
+        noise = absolute / (density if column == "lost_mass" else 1.0) * np.ones(len(values))
     return replace(measurement, noise=noise, noise_known=True)

@@ -1,5 +1,7 @@
 """Figures of a fit: data and residuals, profiles of the likelihood, and the next measurement."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -19,8 +21,13 @@ from ..figures.style import (
     show_values,
 )
 from ..tables.headings import KINDS
-from .outcome import Outcome
 
+if TYPE_CHECKING:
+    from .result import Fit
+
+# colour of the fit, and look of its band
+RED = "#c0392b"
+BAND: Any = {"color": RED, "alpha": 0.25, "linewidth": 0}
 # half width of the 95 % interval of a normal variable of deviation one
 NORMAL_HALF_WIDTH = float(ndtri(0.975))
 # greatest number of measurements of one quantity that are drawn in its panel
@@ -31,7 +38,7 @@ LOGARITHMIC_RATIO = 30.0
 MAX_RISE = 9.0
 
 
-def draw_all(fit: Outcome) -> dict[str, Figure]:
+def draw_all(fit: "Fit") -> dict[str, Figure]:
     """Return the figures of a fit, by name."""
     figures = {"fit": draw_fit(fit)}
     if fit.profiles.traces:
@@ -39,58 +46,32 @@ def draw_all(fit: Outcome) -> dict[str, Figure]:
     return figures
 
 
-def draw_fit(fit: Outcome) -> Figure:
+def draw_fit(fit: "Fit") -> Figure:
     """Draw the data with the fit and its 95 % band, and their residuals below, by quantity."""
     quantities = list(dict.fromkeys(each.quantity for each in fit.measurements))
     figure = new_figure(PAGE, 4.2)
     panels = figure.subplots(2, len(quantities), squeeze=False, height_ratios=[2, 1])
-    names, table, bands = fit.scene.unit_names, fit.residuals, fit.bands
-    rows = np.cumsum([0, *(len(each.values) for each in fit.measurements)])
+    names, table = fit.scene.unit_names, fit.residuals.assign(band=fit.bands)
+    rows = zip(fit.measurements, fit.likelihood.split(np.arange(len(table))), strict=True)
+    tables = [(each, table.iloc[part]) for each, part in rows]
     for column, quantity in enumerate(quantities):
         upper, lower = panels[:, column]
-        series = [
-            (each, slice(rows[number], rows[number + 1]))
-            for number, each in enumerate(fit.measurements)
-            if each.quantity == quantity
-        ]
+        series = [(each, part) for each, part in tables if each.quantity == quantity]
         greatest = max(float(np.abs(each.values).max()) for each, _ in series)
         unit, unit_name = names.readable(greatest, KINDS[quantity])
         for number, (each, part) in enumerate(series[:MAX_SERIES]):
             look = curve(number)
             abscissas, label = _abscissa(each, names)
-            order = np.argsort(abscissas)
-            measured, fitted = table["measured"][part], table["fitted"][part]
-            upper.plot(
-                abscissas,
-                measured / unit,
-                look["marker"],
-                color=look["color"],
-                markersize=3,
-                fillstyle="none",
-                label=_label(each, names, len(series)),
-            )
-            upper.plot(abscissas[order], (fitted / unit).to_numpy()[order], color="#c0392b")
-            band = bands[part]
-            upper.fill_between(
-                abscissas[order],
-                ((fitted - band) / unit).to_numpy()[order],
-                ((fitted + band) / unit).to_numpy()[order],
-                color="#c0392b",
-                alpha=0.25,
-                linewidth=0,
-            )
-            lower.plot(
-                abscissas,
-                table["residual"][part],
-                look["marker"],
-                color=look["color"],
-                markersize=3,
-                fillstyle="none",
-            )
-            relative = (band / each.noise)[order]
-            lower.fill_between(
-                abscissas[order], -relative, relative, color="#c0392b", alpha=0.25, linewidth=0
-            )
+            drawn = part.assign(at=abscissas).sort_values("at")
+            at, fitted, band = drawn["at"], drawn["fitted"], drawn["band"]
+            points = {"color": look["color"], "markersize": 3, "fillstyle": "none"}
+            name = _label(each, names, len(series))
+            upper.plot(at, drawn["measured"] / unit, look["marker"], **points, label=name)
+            upper.plot(at, fitted / unit, color=RED)
+            upper.fill_between(at, (fitted - band) / unit, (fitted + band) / unit, **BAND)
+            lower.plot(at, drawn["residual"], look["marker"], **points)
+            relative = band / drawn["noise"]
+            lower.fill_between(at, -relative, relative, **BAND)
             lower.set_xlabel(label)
         for height in (-NORMAL_HALF_WIDTH, 0.0, NORMAL_HALF_WIDTH):
             lower.axhline(height, **FAINT)
@@ -106,7 +87,7 @@ def draw_fit(fit: Outcome) -> Figure:
     return figure
 
 
-def draw_profiles(fit: Outcome) -> Figure:
+def draw_profiles(fit: "Fit") -> Figure:
     """Draw the profiles of the likelihood, each with the parabola of its curvature.
 
     They are drawn for parameters whose interval follows from the profile.
@@ -121,27 +102,28 @@ def draw_profiles(fit: Outcome) -> Figure:
     names = fit.scene.unit_names
     for axes, number in zip(panels, numbers, strict=False):
         estimate = fit.found[number]
-        trace = dict([*fit.profiles.traces[number], fit.best_trace_point(number)])
+        trace = dict([*fit.profiles.traces[number], (estimate.best, fit.chi_square)])
         coordinates, rises = np.array(sorted(trace.items())).T
         rises = rises - fit.chi_square
         drawn = rises <= MAX_RISE
-        values = np.array([estimate.parameter.at(x) for x in coordinates])
+        value_at = np.vectorize(estimate.parameter.at)
+        values = value_at(coordinates)
         axes.plot(values[drawn], rises[drawn], "o", color="black", markersize=2.5)
         dense = np.linspace(coordinates[drawn].min(), coordinates[drawn].max(), 200)
         # the root of the rise is interpolated, because it is nearly linear between points
         signed = np.sign(coordinates - estimate.best) * np.sqrt(np.maximum(rises, 0.0))
         axes.plot(
-            [estimate.parameter.at(x) for x in dense],
+            value_at(dense),
             PchipInterpolator(coordinates, signed)(dense) ** 2,
             color="black",
             linewidth=1,
         )
         place = fit.likelihood.free.index(number)
-        deviation = np.sqrt(fit.covariance[place, place])
+        deviation = np.sqrt(fit.profiles.covariance[place, place])
         parabola = ((dense - estimate.best) / deviation) ** 2
         low = parabola <= MAX_RISE
         axes.plot(
-            [estimate.parameter.at(x) for x in dense[low]],
+            value_at(dense[low]),
             parabola[low],
             "--",
             color="0.5",

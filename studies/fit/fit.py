@@ -24,10 +24,9 @@ from ..estimate.model import Model
 from ..estimate.parameter import Parameter
 from ..estimate.profiles import BetterPointError, Profiles
 from .data import SCARS, NoiseInput, read_measurements
-from .outcome import Estimate
 from .parameters import find_parameters
 from .residual_tests import residual_tests
-from .result import Fit
+from .result import Estimate, Fit
 
 if TYPE_CHECKING:
     from ..check.tables import OthersResults
@@ -161,19 +160,19 @@ def fit_measurements(
     slopes = likelihood.slopes(best.x)
     shifts = inverse_of_information(slopes) @ (slopes.T @ error)
     undetermined = {number for combination in combinations for number in combination}
-    deviations = dict(zip(likelihood.free, np.sqrt(np.diag(profiles.covariance)), strict=True))
+    fitted = zip(np.sqrt(np.diag(profiles.covariance)), np.abs(shifts), strict=True)
+    by_number = dict(zip(likelihood.free, fitted, strict=True))
     estimates = []
     for number, parameter in enumerate(parameters):
-        place = likelihood.free.index(number) if number in likelihood.free else None
-        low, high = (-np.inf, np.inf) if number in undetermined else intervals[number]
+        ends = (-np.inf, np.inf) if number in undetermined else intervals[number]
+        deviation, shift = by_number.get(number, (np.nan, 0.0))
         estimates.append(
             Estimate(
                 parameter,
                 float(best.x[number]),
-                low,
-                high,
-                float(deviations.get(number, np.nan)),
-                0.0 if place is None else float(abs(shifts[place])),
+                *ends,
+                float(deviation),
+                float(shift),
                 number in profiles.traces,
             )
         )
@@ -257,7 +256,7 @@ def _intervals(
         try:
             intervals |= profiles.intervals(not_quadratic)
         except BetterPointError as error:
-            best = likelihood.best_from(error.point.x)
+            best = likelihood.best_from(error.args[0].x)
             continue
         break
     return best, profiles, intervals

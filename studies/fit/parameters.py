@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Sequence
-from functools import partial
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from ..crosscheck import (
     kind_of,
     place_of,
 )
-from ..estimate.parameter import Change, Parameter, Reading, Situation, looked_up, with_values
+from ..estimate.parameter import Change, Parameter, SceneChange, looked_up, with_values
 
 # a positive parameter is fitted between its value in the scene divided and multiplied by this; the
 # coordinate of another parameter, between minus and plus this
@@ -39,19 +38,14 @@ KEYS = (
 # keys of each layer that can be fitted
 LAYER_KEYS = ("thickness", "youngs_modulus")
 NUISANCES = {
-    "start_time": ("time", "time at which sliding began, by the clock of the data", "start_time"),
-    "sensor_offset": (
-        "displacement",
-        "reading of the displacement sensor without indentation",
-        "offset",
-    ),
-    "machine_compliance": (
-        "compliance",
-        "displacement of the machine under a unit force",
-        "compliance",
-    ),
+    # time at which sliding began, by the clock of the data
+    "start_time": ("time", "start_time"),
+    # reading of the displacement sensor without indentation
+    "sensor_offset": ("displacement", "offset"),
+    # displacement of the machine under a unit force
+    "machine_compliance": ("compliance", "compliance"),
 }
-"""Unknowns of the rig, each with the kind of its unit, a description and its field in `Reading`."""
+"""Unknowns of the rig, each with the kind of its unit and its field in `Reading`."""
 WEAR = "punch.wear_"
 
 
@@ -85,22 +79,16 @@ def find_parameters(scene: Scene, names: Sequence[str]) -> tuple[Scene, tuple[Pa
         scene = _with_list(scene)
     if "punch.wear_ratio" in names:
         scene = _with_ratio(scene)
-    table, parameters = _table(scene), list[Parameter]()
+    table, parameters = scene.table(), list[Parameter]()
+    # the scene may not mention it
+    table["load"].setdefault("sliding_speed", scene.load_.sliding_speed)
     for name in names:
         if name in NUISANCES:
-            parameters.append(
-                Parameter(
-                    name,
-                    partial(_read_differently, NUISANCES[name][2]),
-                    value=0.0,
-                    reach=REACH,
-                    logarithmic=False,
-                    unit=NUISANCES[name][0],
-                )
-            )
+            unit, field = NUISANCES[name]
+            parameters.append(Parameter(name, field, 0.0, REACH, logarithmic=False, unit=unit))
             continue
         parameters += [
-            Parameter(key, _change_of(key, scene), _value(table, key), unit=_kind(key))
+            Parameter(key, _change_of(key, scene), float(looked_up(table, key)), unit=_kind(key))
             for key in _expanded(table, name)
         ]
     all_names = [each.name for each in parameters]
@@ -115,16 +103,8 @@ def _change_of(key: str, scene: Scene) -> Change | str:
     """Return the change of a key: an upper layer is never thinner than a scene can have it."""
     if key != "half_space.layers[0].thickness":
         return key
-    return partial(_with_first_layer, THINNEST_LAYER * scene.punch.radius)
-
-
-def _with_first_layer(least: float, scene: Scene, reading: Reading, value: float) -> Situation:
-    return with_values(scene, {"half_space.layers[0].thickness": max(value, least)}), reading
-
-
-def _read_differently(name: str, scene: Scene, reading: Reading, value: float) -> Situation:
-    """Return the reading with another value of one of its fields."""
-    return scene, reading.changed(name, value)
+    least = THINNEST_LAYER * scene.punch.radius
+    return SceneChange(lambda scene, value: with_values(scene, {key: max(value, least)}))
 
 
 def _with_list(scene: Scene) -> Scene:
@@ -171,25 +151,12 @@ def _with_ratio(scene: Scene) -> Scene:
     return scene.changed({"punch.wear_coefficient": first, "punch.wear_ratio": second / first})
 
 
-def _table(scene: Scene) -> TomlTable:
-    """Return the scene as nested dictionaries, with a sliding speed that it does not mention."""
-    table = scene.table()
-    table["load"].setdefault("sliding_speed", scene.load_.sliding_speed)
-    return table
-
-
 def _key_and_index(name: str) -> tuple[str, int | None]:
     """Return the key of a parameter, and the index of its value in a list; None without a list."""
     matched = re.fullmatch(r"(.+?)(?:\[(\d+)\])?", name)
     if matched is None:
         return name, None
     return matched[1], None if matched[2] is None else int(matched[2])
-
-
-def _value(table: TomlTable, name: str) -> float:
-    path, index = _key_and_index(name)
-    value = looked_up(table, path)
-    return float(value if index is None else value[index])
 
 
 def _kind(name: str) -> str:

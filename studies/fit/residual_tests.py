@@ -37,10 +37,7 @@ def residual_tests(likelihood: Likelihood, x: Array) -> dict[str, float]:
     freedom = likelihood.degrees_of_freedom
     if freedom > 0 and all(each.noise_known for each in likelihood.measurements):
         probabilities["chi-square"] = float(chdtrc(freedom, residuals @ residuals))
-    row = 0
-    for each in likelihood.measurements:
-        series = residuals[row : row + len(each.values)]
-        row += len(series)
+    for each, series in zip(likelihood.measurements, likelihood.split(residuals), strict=True):
         # patterns of the numerical error of the model say nothing about the law of wear
         within_numerical_error = series @ series <= MAX_NUMERICAL_ERROR**2 * len(series)
         if len(series) < MIN_VALUES or within_numerical_error:
@@ -83,12 +80,11 @@ def few_runs(series: Array) -> float:
 
 
 def _log_partitions(count: int, parts: Indices) -> Array:
-    """Return the logarithms of the numbers of ways to divide values in a row into parts."""
-    logarithms = np.full(len(parts), -np.inf)
-    possible = parts <= count
-    counts = parts[possible]
-    logarithms[possible] = gammaln(count) - gammaln(counts) - gammaln(count - counts + 1)
-    return logarithms
+    """Return the logarithms of the numbers of ways to divide values in a row into parts.
+
+    There is none for more parts than values, where the last logarithm is infinite.
+    """
+    return np.asarray(gammaln(count) - gammaln(parts) - gammaln(count - parts + 1))
 
 
 def small_differences(series: Array) -> float:

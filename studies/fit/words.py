@@ -1,6 +1,7 @@
 """Put the conclusions of a fit into sentences."""
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -8,9 +9,11 @@ from ...meshes import Array, ring_areas
 from ..crosscheck import UnitNames, running_in
 from ..estimate.estimator import inverse_of_information
 from ..tables.headings import KINDS
-from .outcome import Estimate, Outcome
 from .parameters import REACH, written
 from .residual_tests import LEVEL, combined
+
+if TYPE_CHECKING:
+    from .result import Estimate, Fit
 
 # least correlation of two parameters that is reported
 MIN_CORRELATION = 0.9
@@ -23,19 +26,13 @@ MIN_COSINE = 0.98
 MAX_DEVIATION_OF_MEAN = 0.25
 
 
-def conclusions_of_fit(fit: Outcome) -> tuple[str, ...]:
+def conclusions_of_fit(fit: "Fit") -> tuple[str, ...]:
     """Return sentences on the estimates, on what the data do not determine, and on the model."""
-    names = fit.scene.unit_names
-    groups = (
-        _estimates(fit, names),
-        _combinations(fit, names),
-        _correlation(fit, names),
-        _quality(fit, names),
-    )
-    return tuple(line for group in groups for line in group)
+    parts = _estimates, _combinations, _correlation, _quality
+    return tuple(line for part in parts for line in part(fit, fit.scene.unit_names))
 
 
-def _estimates(fit: Outcome, names: UnitNames) -> Iterator[str]:
+def _estimates(fit: "Fit", names: UnitNames) -> Iterator[str]:
     undetermined = {number for combination in fit.combinations for number in combination}
     for number, each in enumerate(fit.found):
         name, parameter = each.parameter.name, each.parameter
@@ -56,7 +53,7 @@ def _estimates(fit: Outcome, names: UnitNames) -> Iterator[str]:
             yield f"{name} is not identifiable: {_bounds(each, low, high)}"
 
 
-def _bounds(each: Estimate, low: str, high: str) -> str:
+def _bounds(each: "Estimate", low: str, high: str) -> str:
     if not each.low <= each.best <= each.high:
         return (
             f"the best value is beyond a factor of {REACH:g} of the scene's: check the units of "
@@ -71,7 +68,7 @@ def _bounds(each: Estimate, low: str, high: str) -> str:
     return f"the data allow every value within a factor of {REACH:g} of the scene's"
 
 
-def _combinations(fit: Outcome, unit_names: UnitNames) -> Iterator[str]:
+def _combinations(fit: "Fit", unit_names: UnitNames) -> Iterator[str]:
     for combination in fit.combinations:
         names = [fit.found[number].parameter.name for number in combination]
         if len(names) == 1:
@@ -88,7 +85,7 @@ def _combinations(fit: Outcome, unit_names: UnitNames) -> Iterator[str]:
         )
 
 
-def _correlation(fit: Outcome, names: UnitNames) -> Iterator[str]:
+def _correlation(fit: "Fit", names: UnitNames) -> Iterator[str]:
     """Yield a sentence on the greatest correlation, and on the combination that is still known."""
     table = np.abs(np.triu(fit.correlations.to_numpy(), 1))
     if not table.size or table.max() < MIN_CORRELATION:
@@ -103,7 +100,7 @@ def _correlation(fit: Outcome, names: UnitNames) -> Iterator[str]:
     yield line + _harmonic(fit)
 
 
-def _inseparable_since(fit: Outcome, first: int, second: int, names: UnitNames) -> str:
+def _inseparable_since(fit: "Fit", first: int, second: int, names: UnitNames) -> str:
     """Return from which time on the data alone do not separate two parameters; empty if they do.
 
     Parameters
@@ -127,7 +124,7 @@ def _inseparable_since(fit: Outcome, first: int, second: int, names: UnitNames) 
     return ""
 
 
-def _harmonic(fit: Outcome) -> str:
+def _harmonic(fit: "Fit") -> str:
     """Return the uncertainty of the harmonic mean of wear coefficients, if it is known best."""
     likelihood = fit.likelihood
     wear = [
@@ -139,7 +136,7 @@ def _harmonic(fit: Outcome) -> str:
     if len(wear) < 2 or punch.table or fit.combinations:
         # if other parameters have no effect alone, the scale of wear coefficients is not known
         return ""
-    covariance = fit.covariance[np.ix_(wear, wear)]
+    covariance = fit.profiles.covariance[np.ix_(wear, wear)]
     best_known = np.linalg.eigh(covariance)[1][:, 0]
     weights = _steady_weights(fit, wear)
     if abs(best_known @ weights) < MIN_COSINE * np.linalg.norm(weights):
@@ -153,7 +150,7 @@ def _harmonic(fit: Outcome) -> str:
     )
 
 
-def _steady_weights(fit: Outcome, wear: list[int]) -> Array:
+def _steady_weights(fit: "Fit", wear: list[int]) -> Array:
     """Return the weight of each wear coefficient in the harmonic mean, ``(A/k) / sum A/k``.
 
     Parameters
@@ -171,7 +168,7 @@ def _steady_weights(fit: Outcome, wear: list[int]) -> Array:
     return weights / weights.sum()
 
 
-def _quality(fit: Outcome, names: UnitNames) -> Iterator[str]:
+def _quality(fit: "Fit", names: UnitNames) -> Iterator[str]:
     for column in dict.fromkeys(each.column for each in fit.measurements):
         first = next(each for each in fit.measurements if each.column == column)
         if not first.noise_known:

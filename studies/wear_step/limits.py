@@ -74,18 +74,6 @@ class StepLimits:
         return f"{text} (a time of {names.write(step * problem.units.time, 'time', 3)})"
 
 
-def limits_on_mesh(scene: Scene, mesh: Mesh, element: str) -> StepLimits:
-    """Return the longest stable updates of a scene on a mesh.
-
-    Parameters
-    ----------
-    scene : the scene
-    mesh : quarter disc with named boundaries
-    element : name of the element
-    """
-    return _limits(scene, contact_nodes(mesh, element, scene.problem.ground), contacts_of(scene))
-
-
 def contacts_of(scene: Scene) -> dict[str, Array]:
     """Return the intervals (k, 2) in contact, in punch radii, by the state of the contact.
 
@@ -103,9 +91,26 @@ def contacts_of(scene: Scene) -> dict[str, Array]:
     return dict(zip(("at the start", "at the last time"), intervals, strict=False))
 
 
-def _limits(scene: Scene, nodes: ContactNodes, intervals: dict[str, Array]) -> StepLimits:
+def limits_on_mesh(
+    scene: Scene, mesh: Mesh, element: str, intervals: dict[str, Array] | None = None
+) -> StepLimits:
+    """Return the longest stable updates of a scene on a mesh.
+
+    Parameters
+    ----------
+    scene : the scene
+    mesh : quarter disc with named boundaries
+    element : name of the element
+    intervals : in contact, if they are known (`contacts_of`)
+
+    Raises
+    ------
+    SceneError
+        if the mesh has too few nodes in contact
+    """
+    nodes = contact_nodes(mesh, element, scene.problem.ground)
     contacts = dict[str, Indices]()
-    for name, ends in intervals.items():
+    for name, ends in (intervals or contacts_of(scene)).items():
         within = (nodes.radii >= ends[:, :1] - 1e-9) & (nodes.radii <= ends[:, 1:] + 1e-9)
         contacts[name] = numbers = np.flatnonzero(within.any(axis=0))
         if len(numbers) < FEWEST_NODES:
@@ -172,7 +177,7 @@ def limits_of_size(scene: Scene, size: float, element: str) -> list[StepLimits]:
         meshes.append(_free_triangles(edges, size))
     if not meshes:
         raise SceneError("size: no mesh in rows and columns is possible for these rings")
-    return [_limits(scene, contact_nodes(mesh, element, problem.ground), parts) for mesh in meshes]
+    return [limits_on_mesh(scene, mesh, element, parts) for mesh in meshes]
 
 
 def _free_triangles(ring_edges: Array, size: float) -> Mesh:

@@ -90,20 +90,20 @@ def results_on_mesh(
     pressures : (T, R) of the program, non-dimensional
     element : name of the element
     """
+    models = list[ContactNodes]()
     steady_load = problem.full_contact and not problem.keeps_contact and not problem.loading.varies
-    models = _models(problem, radii, element) if steady_load and _are_nodes(radii) else []
+    if steady_load and FEWEST_RADII <= len(radii) <= MOST_RADII:
+        models = _models(problem, radii, element)
     best, found = np.inf, dict[str, Array]()
     for nodes, treatment, side in product(models, TREATMENTS, (-1, 0, 1)):
-        wear, greatest = wear_at_nodes(problem.merged, nodes.radii), problem.wear_coefficients.max()
+        wear = wear_at_nodes(problem.merged, nodes.radii)
         if side:
-            places = np.clip(nodes.radii + side * BESIDE, nodes.radii[0], 1.0)
-            wear = problem.merged.at(places) / greatest
+            wear = problem.merged.at(np.clip(nodes.radii + side * BESIDE, nodes.radii[0], 1.0))
         stiffness, forces = (
             nodes.pressures(treatment) @ nodes.stiffness,
             nodes.stiffness.sum(axis=0),
         )
-        by_force, elapsed = problem.indentation is None, times * float(greatest)
-        worn = worn_at_nodes(stiffness, forces, wear, elapsed, by_force)
+        worn = worn_at_nodes(stiffness, forces, wear, times, problem.indentation is None)
         fields = {
             "pressure": worn.pressures,
             "profile": worn.profiles,
@@ -118,10 +118,6 @@ def results_on_mesh(
             best, found = distance, results | {"indentation": worn.indentations}
     scale = 1.0 if problem.indentation is None else problem.indentation
     return {name: scale * values for name, values in found.items()}
-
-
-def _are_nodes(radii: Array) -> bool:
-    return FEWEST_RADII <= len(radii) <= MOST_RADII
 
 
 def _models(problem: Problem, radii: Array, element: str | None) -> list[ContactNodes]:

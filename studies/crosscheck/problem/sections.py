@@ -135,7 +135,7 @@ class HalfSpaceSection(Section):
             )
 
     def _check_layers(self) -> None:
-        moduli = self._youngs_moduli[: len(self.layers) + (not self.rigid)]
+        moduli = self.youngs_moduli[: len(self.layers) + (not self.rigid)]
         for number, (upper, lower) in enumerate(pairwise(moduli)):
             if not 1 / MOST_CONTRAST <= upper / lower <= MOST_CONTRAST:
                 raise ValueError(
@@ -145,7 +145,7 @@ class HalfSpaceSection(Section):
                 )
 
     @property
-    def _youngs_moduli(self) -> list[float]:
+    def youngs_moduli(self) -> list[float]:
         """Young's moduli of the layers and, last, of the base below them."""
         below = self.youngs_modulus
         if below is None:
@@ -170,7 +170,7 @@ class HalfSpaceSection(Section):
                 "one"
             )
         ratios = [*(layer.poisson_ratio for layer in self.layers), self.poisson_ratio]
-        ground = Ground.from_youngs_moduli(thicknesses, self._youngs_moduli, ratios)
+        ground = Ground.from_youngs_moduli(thicknesses, self.youngs_moduli, ratios)
         return replace(ground, share=self.modulus / self.own_modulus)
 
     @property
