@@ -61,16 +61,6 @@ class UniformGrid:
         """
         return 4 / (np.pi * self.count * float(self.coefficients.max()))
 
-    def rate_matrix(self) -> Array:
-        """Return the matrix `M` (count+1, count+1) in ``df/dt = M f + const``.
-
-        Its eigenvalues are the relaxation rates of the grid.
-        """
-        to_springs, rule, to_pressure = self._transforms
-        return self.coefficients[:, None] * (
-            to_pressure @ (np.outer(np.ones(self.count + 1), rule @ to_springs) - to_springs)
-        )
-
     def march(self, times: Array, step: float) -> tuple[Array, Array, Array]:
         """March by explicit steps, and return pressures, profiles and indentations at `times`.
 

@@ -136,16 +136,12 @@ from .result.output.signals import (
 from .result.output.vtu import (
     write_half_space as write_half_space,
 )
-from .result.predictions.machine import (
+from .result.predictions import (
     cores as cores,
-    refuse_large as refuse_large,
-)
-from .result.predictions.memory import (
-    refuse_beyond_memory as refuse_beyond_memory,
-    why_beyond_memory as why_beyond_memory,
-)
-from .result.predictions.plan import (
     plan_run as plan_run,
+    refuse_beyond_memory as refuse_beyond_memory,
+    refuse_large as refuse_large,
+    why_beyond_memory as why_beyond_memory,
 )
 from .result.result import (
     Result as Result,

@@ -46,7 +46,6 @@ NUISANCES = {
     "machine_compliance": ("compliance", "compliance"),
 }
 """Unknowns of the rig, each with the kind of its unit and its field in `Reading`."""
-WEAR = "punch.wear_"
 
 
 def written(parameter: Parameter, value: float, names: UnitNames) -> str:

@@ -45,8 +45,8 @@ from .ways.axis_stresses import boussinesq_stresses
 
 FINEST_IN_MOVING_CONTACT, FINEST_QUICK = 1e-5, 1e-4
 """Finest tolerances of the reference if edges of the contact move: a finer march takes minutes."""
-ROUNDOFF = 1e-14
-"""Relative error of values in closed form."""
+ROUNDOFF, ROUNDOFF_OF_MARCHES = 1e-14, 1e-12
+"""Relative errors of values in closed form, and of a march by modes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,6 +181,6 @@ def shaped_start(scene: Scene) -> dict[str, float]:
     return {"contact_radius": float(contact), "indentation": float(depth / pressed)}
 
 
-def solution_as_reference(solution: Solution, roundoff: float = 1e-12) -> Reference:
+def solution_as_reference(solution: Solution) -> Reference:
     """Return a solution as the reference, such as the modal march for steps on the same space."""
-    return Reference(dict(solution.compared), lambda _: roundoff)
+    return Reference(dict(solution.compared), lambda _: ROUNDOFF_OF_MARCHES)

@@ -46,7 +46,6 @@ ROOMS: tuple[dict[str, str], ...] = (
     {"studies.crosscheck.anchors": "closed forms and balances that correct results satisfy"},
     {"studies.crosscheck.verdict": "agreement of methods, refinement, and what is not promised"},
     {"studies.crosscheck.result.scope": "what a scene models, what is left out, and refusals"},
-    {"studies.crosscheck.result.predictions": "seconds and memory of a run before it"},
     {"studies.crosscheck.result.output": "folders and files of results, signals"},
     {"studies.crosscheck.result": "runs and their results: table, answer, summary, words"},
     {"studies.figures": "figures of results"},

@@ -198,12 +198,3 @@ TABLE = {
 def error_factor(name: str) -> float:
     """Return the value of a factor or floor, by its name in `TABLE`."""
     return TABLE[name].value
-
-
-def as_markdown() -> str:
-    """Return the table in Markdown, as `studies/crosscheck/verdict/README.md` prints it."""
-    lines = ["| name | value | multiplies | shown by |", "| --- | --- | --- | --- |"]
-    for name, factor in TABLE.items():
-        test = factor.shown_by.removeprefix("tests/")
-        lines.append(f"| {name} | {factor.value:g} | {factor.multiplies} | `{test}` |")
-    return "\n".join(lines)

@@ -309,17 +309,17 @@ class UnitNames:
         mean_magnitude = float(np.sqrt(magnitudes.min()) * np.sqrt(magnitudes.max()))
         return self.readable(mean_magnitude, kind)
 
-    def write_together(self, values: Sequence[float], kind: str, digits: int = 4) -> list[str]:
+    def write_together(self, values: Sequence[float], kind: str) -> list[str]:
         """Return values of one kind as texts, all in one readable unit."""
         if len(values) == 1:
-            return [self.write(values[0], kind, digits)]
+            return [self.write(values[0], kind)]
         unit, name = self.readable_together(values, kind)
         texts = []
         for value in values:
             if not np.isfinite(value):
                 texts.append(self.write(value, kind))
                 continue
-            number = float(f"{value / unit:.{digits}g}")
+            number = float(f"{value / unit:.4g}")
             one = SINGULAR.get(name, name) if number == 1 else name
             texts.append(f"{number:g} {one}".rstrip())
         return texts

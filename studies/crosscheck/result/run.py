@@ -17,7 +17,7 @@ from ..scene.scene import Scene, Source
 from ..verdict.accuracy import solved_to_accuracy
 from ..verdict.agreement import agreements, unchecked
 from .judgement import Judged
-from .predictions.memory import refuse_beyond_memory
+from .predictions import refuse_beyond_memory
 from .result import Result, methods_with_fields
 from .scope import chosen_methods, methods_of, refuse
 from .table import answers_of, tabulate

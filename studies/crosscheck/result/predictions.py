@@ -1,18 +1,29 @@
-"""Prediction of the memory of a run, before anything is meshed or a library is loaded."""
+"""Prediction of the seconds and of the memory of a run, before anything is meshed or solved.
 
+A sparse factor costs unknowns^1.5, dense algebra pressures^2, and pressures^3 once matrices are
+large, a march its steps times pressures^2, modes times times pressures^2. A method whose error
+estimates are too large is solved again with finer sizes, which a prediction cannot know.
+"""
+
+import os
 from collections.abc import Collection
+from pathlib import Path
 
-from .....meshes.errors import SceneError
-from ...methods.base import Method
-from ...problem.problem import Problem
-from ...problem.quantities import FIELDS, GROUPS, HISTORIES, QUANTITIES
-from ...problem.written import shown
-from ...scene.scene import Scene
-from ...sizes.cells import cells_of, graded_to_worn_layers
-from ...sizes.radial import radial_sizes
-from ..scope import chosen_methods
-from .machine import GIB, machine_memory
+from ....meshes.errors import SceneError
+from ..methods.base import Method, SystemSize
+from ..problem.problem import Problem
+from ..problem.quantities import FIELDS, GROUPS, HISTORIES, QUANTITIES
+from ..problem.written import shown
+from ..scene.calls import naming_arguments
+from ..scene.scene import Scene, Source
+from ..sizes.cells import cells_of, graded_to_worn_layers
+from ..sizes.radial import radial_sizes
+from ..wear.step_control import steps_between
+from .scope import chosen_methods, refusals
 
+GIB = 2.0**30
+# Memory that every machine has, in GiB.
+LEAST_MEMORY = 0.5
 # Memory of the loaded libraries, in GiB.
 LIBRARIES = 0.23
 # Number of dense matrices of the size of the compliance that are in memory at once.
@@ -29,6 +40,40 @@ NUMBERS_OF_LISTS = 200.0
 LEAST_PRESSURES, MANY_PRESSURES = 2, 20_000
 # What to give for a run whose results have no fields over time.
 WITHOUT_FIELDS = "output.quantities without fields over time, as in ['history', 'steady']"
+
+
+def most_memory(needed: float) -> float:
+    """Return the memory of this machine, in GiB, or what every machine has if no more is needed."""
+    if needed <= LEAST_MEMORY:
+        return LEAST_MEMORY
+    import psutil  # most runs need little memory
+
+    return float(psutil.virtual_memory().total / GIB)
+
+
+def cores() -> int:
+    """Return the number of cores that this process may use."""
+    affinity = getattr(os, "sched_getaffinity", None)
+    return len(affinity(0)) if affinity else os.cpu_count() or 1
+
+
+def refuse_large(path: Path, size: float) -> None:
+    """Raise if the contents of a netCDF file, `size` in bytes by its header, are too large.
+
+    A compressed file may be far smaller than its contents.
+
+    Raises
+    ------
+    ValueError
+        with the size of the dataset and the limit
+    """
+    # the data are copied a few times after reading
+    max_bytes = most_memory(8 * size / GIB) * GIB / 8
+    if size > max_bytes:
+        raise ValueError(
+            f"its contents are {size / 1e9:.3g} GB by its header (the file has "
+            f"{path.stat().st_size / 1e6:.3g} MB); give at most {max_bytes / 1e9:.2g} GB"
+        )
 
 
 def memory_need(
@@ -81,11 +126,6 @@ def _pressures(problem: Problem) -> int:
     return radial_sizes(problem).space(problem).size
 
 
-def predict_memory(scene: Scene) -> float:
-    """Return about how many GiB a run will need."""
-    return sum(memory_need(scene))
-
-
 def why_beyond_memory(
     scene: Scene,
     methods: Collection[Method] | None = None,
@@ -110,7 +150,7 @@ def why_beyond_memory(
         if the limit is not a positive number
     """
     problem, (fixed, over_time) = scene.problem, memory_need(scene, methods, others)
-    limit = machine_memory(fixed + over_time) if limit is None else limit
+    limit = most_memory(fixed + over_time) if limit is None else limit
     if not (isinstance(limit, float | int) and limit > 0):
         raise SceneError(f"memory = {shown(limit)}: give GiB as a positive number, such as 8")
     if fixed + over_time <= limit:
@@ -148,3 +188,76 @@ def refuse_beyond_memory(
     """
     if reason := why_beyond_memory(scene, methods, limit, others, without_fields):
         raise SceneError(reason)
+
+
+def _seconds_of_modes(problem: Problem, order: float) -> float:
+    # a steady state or relaxation times alone need no modes
+    modes = (0.5 if len(problem.times) else 0.1) * order**2 * (1 + order / 3)
+    # fields at the requested times, and amplitudes at the knots of the load
+    sampling = 1.2e-3 * len(problem.times) + 4e-4 * len(problem.loading.times)
+    return modes + sampling * order**2
+
+
+def _seconds_of_steps(problem: Problem, order: float) -> float:
+    # the number of adaptive steps grows as rtol^(-1/3), by a few for each end of a step that the
+    # scene requires
+    steps = 0.15 * problem.rtol ** (-1 / 3) + 0.1 * problem.least_steps
+    return float(steps * order**2)
+
+
+def predict_seconds(method: Method, problem: Problem, size: SystemSize) -> float:
+    """Return about how many seconds of one processor a method needs for a problem.
+
+    The constants were measured on the bundled scenes.
+    """
+    if not size.pressures:
+        # a closed form
+        return 0.02
+    order, step = size.pressures / 1e3, method.step(problem)
+    steps = float(steps_between(problem.times, step).sum()) if step else 0.0
+    sparse = 0.1 * (size.unknowns / 1e4) ** 1.5
+    equal_steps = 6e-4 * steps * order**2
+    if problem.full_contact:
+        return 0.05 + _seconds_of_modes(problem, order) + sparse + equal_steps
+    # the first contact is searched for
+    return 0.3 + 1.5 * (_seconds_of_steps(problem, order) + sparse) + equal_steps
+
+
+@naming_arguments
+def plan_run(source: Source, memory: float | None = None) -> list[str]:
+    """Predict the unknowns, the seconds and the memory of a run, by each method.
+
+    Nothing is solved. Seconds are those of a run that needs no finer sizes.
+
+    Parameters
+    ----------
+    source : Scene, str, Path or dict
+        The scene that would be computed.
+    memory : float, optional
+        Largest memory that a run may use, in GiB; by default that of the machine.
+
+    Returns
+    -------
+    list of str
+        Lines of text: sizes, seconds of one processor, GiB, refusals and notes.
+    """
+    scene = Scene.of(source)
+    methods = chosen_methods(scene)
+    reasons = refusals(scene, methods) or [why_beyond_memory(scene, methods.values(), memory)]
+    if any(reasons):
+        return [f"refused: {reason}" for reason in reasons]
+    sizes = {name: entry.system_size(scene.problem) for name, entry in methods.items()}
+    seconds = {
+        name: predict_seconds(methods[name], scene.problem, size) for name, size in sizes.items()
+    }
+    return [
+        *(
+            f"{name}: {size.unknowns} unknowns, {size.pressures} pressures, "
+            f"about {seconds[name]:.2g} s"
+            for name, size in sizes.items()
+        ),
+        f"in all: about {sum(seconds.values()):.2g} s, to a factor of three, and a few seconds for "
+        "loading, files and figures",
+        f"memory: about {sum(memory_need(scene)):.2g} GiB",
+        *(f"note: {note}" for size in sizes.values() for note in size.notes),
+    ]

@@ -1,1 +1,0 @@
-"""Seconds and memory that a run will need, predicted before it starts."""
