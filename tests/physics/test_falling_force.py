@@ -35,6 +35,20 @@ def test_the_prediction_agrees_with_the_independent_solution():
     assert 2 <= sum(kept) <= len(kept) - 2
 
 
+@pytest.mark.parametrize(("last", "kept"), [(0.5, True), (0.3, False)])
+def test_wear_along_the_radius_is_predicted(last, kept):
+    """With the mean wear coefficient all over the face, contact would be lost at both forces."""
+    scene = under(
+        [1.0, 1.0, last],
+        [0.0, 1.0, 2.0],
+        punch={"radius": 1.0, "wear_coefficient": {"radii": [0.0, 1.0], "values": [1.0, 0.02]}},
+        wear__times=[0.0, 3.0],
+    )
+    *_, punch = solved(scene.problem, 1e-3)
+    assert loses_contact(scene.problem, punch) == (not kept)
+    assert scene.problem.keeps_contact == kept
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("seed", "number"), [(8, 12), (8, 24), (11, 16)])
 def test_histories_by_modes_agree_with_the_independent_solution(seed, number):

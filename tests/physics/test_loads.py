@@ -94,6 +94,19 @@ def test_a_force_added_at_a_stop_acts_as_a_second_flat_punch(prepare):
     check_same(punch.space, history, *exact)
 
 
+def test_a_force_added_at_a_stop_is_infinite_at_the_rim():
+    times, radius = [0.0, 0.1, 0.2, 0.3], 1 - 1e-10
+    load = {
+        "normal_force": {"times": times, "values": [1.0, 1.0, 2.0, 2.0]},
+        "sliding_speed": {"times": times, "values": [1.0, 0.0, 0.0, 1.0]},
+    }
+    scene = Scene.load("five_rings").changed(
+        methods=["mdr"], load=load, wear__times=times[1:3], output__radii=[radius]
+    )
+    before, after = run(scene).dataset.pressure.sel(radius=radius).squeeze().values
+    assert after - before == pytest.approx(1 / (2 * np.pi) / np.sqrt(1 - radius**2), rel=1e-6)
+
+
 def test_steps_agree_with_the_modes_while_the_force_rises(monkeypatch):
     half_space, loading, times = compliance(), random_loading(20, True), np.linspace(0.1, 1.5, 8)
     exact = wear_by_modes(half_space, loading).modal(times)
