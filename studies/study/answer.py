@@ -111,7 +111,9 @@ def answer(
     parts = dict.fromkeys(map(Part, measured["quantity"], measured["when"]))
     columns = {str(part): "" for part in parts if pd.notna(part.quantity)}
     orders = fits.reindex(columns=[*KEYS_OF_STUDIES, "order", "theory"])
-    fitted = measured.merge(orders.astype({"order": float, "theory": float}), "left")
+    # without levels or orders, the columns have no types of their own
+    types = measured.dtypes[[*KEYS_OF_STUDIES]].to_dict() | {"order": float, "theory": float}
+    fitted = measured.merge(orders.astype(types), "left")
     for (case, way), levels in fitted.groupby(["case", "way"], sort=False):
         row = {"case": case, "way": way} | columns
         for part, each in levels.groupby(["quantity", "when"], sort=False):
