@@ -44,9 +44,6 @@ RATIO = (0.45, 2.2), math.log(11)
 COARSE = 0.7
 
 
-# ---- kinds of parameters --------------------------------------------------------------------
-
-
 def factor(
     change: Change | str,
     starts: tuple[float, ...] = FACTORS,
@@ -74,8 +71,6 @@ PARTS_OF_CIRCLE = {
     1 / (2 * math.pi): "per radian, 1/(2 pi) of the whole",
 }
 
-
-# ---- changes of a scene ---------------------------------------------------------------------
 
 FORCE = tuple(
     f"load.{key}{values}" for key in ("normal_force", "mean_pressure") for values in ("", ".values")
@@ -162,9 +157,6 @@ def coarse_mesh(errors: float, clamped: Change | None) -> Mistake:
         tuple(parameters),
         of_mesh=True,
     )
-
-
-# ---- the table ------------------------------------------------------------------------------
 
 
 def mistakes(comparison: Comparison) -> Iterator[Mistake]:
