@@ -213,7 +213,7 @@ def test_one_method_alone_has_one_wording(command):
     result = run("five_rings", methods=["mdr"], rtol=1e-2)
     assert result.verdict == result.summary["verdict"] == "undecided"
     sentence = "One method alone is undecided: there is nothing to compare it with"
-    assert result.verdict_in_words == f"{sentence}."
+    assert result.verdict_in_words == f"{sentence}. Give two, such as mdr and bem."
     result.save("saved")
     page = Path("saved/report.html").read_text("utf-8")
     printed = command("run five_rings --methods mdr --rtol 1e-2 --no-figures").out

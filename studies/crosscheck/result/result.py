@@ -158,7 +158,10 @@ class Result(AnswersGuesses):
             return "AN ANCHOR DOES NOT HOLD, and no two methods are compared."
         ours = [name for name in self.coordinates["solver"] if name not in self.of_others]
         if len(ours) == 1:
-            return "One method alone is undecided: there is nothing to compare it with."
+            return (
+                "One method alone is undecided: there is nothing to compare it with. Give two, "
+                "such as mdr and bem."
+            )
         return "Nothing is decided: no two methods compute the same quantity."
 
     @property
