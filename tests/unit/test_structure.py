@@ -336,3 +336,12 @@ def test_tests_that_sources_cite_exist():
         for path, name in cited:
             text = (ROOT / "tests" / path).read_text("utf-8")
             assert re.search(rf"^def {name}\(", text, re.MULTILINE), (file, name)
+
+
+def test_files_that_pages_name_exist():
+    files = [f"/{file.relative_to(ROOT).as_posix()}" for file in FILES.values()]
+    files += [f"/{file.relative_to(ROOT).as_posix()}" for file in (ROOT / "tests").rglob("*.py")]
+    for page in (page for floor in FLOORS for page in (ROOT / floor).rglob("*.md")):
+        named = re.findall(r"`([\w/]+\.py)`", page.read_text("utf-8"))
+        gone = [name for name in named if not any(file.endswith(f"/{name}") for file in files)]
+        assert gone == [], page
