@@ -60,9 +60,6 @@ from .problem.profile import (
     InitialProfile as InitialProfile,
     moments as moments,
 )
-from .problem.profile_file import (
-    profile_of_file as profile_of_file,
-)
 from .problem.quantities import (
     ANSWER as ANSWER,
     COMPARED_MODES as COMPARED_MODES,
@@ -192,6 +189,7 @@ from .scene.scene import (
 )
 from .scene.sources import (
     bundled as bundled,
+    profile_of_file as profile_of_file,
     tables_of as tables_of,
     text_of as text_of,
 )

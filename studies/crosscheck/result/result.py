@@ -4,7 +4,7 @@ Its numbers are an xarray Dataset (written as netCDF-4) and a summary (written a
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from html import escape
 from pathlib import Path
@@ -14,6 +14,7 @@ import numpy as np
 
 from ....meshes.errors import RingwearError, SceneError
 from ....meshes.radial import Array
+from ...tables.writing import as_json
 from ..anchors.anchor import Anchor
 from ..methods.base import Method, Solution
 from ..methods.inside.interior import Interior, interior
@@ -32,11 +33,11 @@ from ..progress import LOG, Stages
 from ..scene.scene import Scene
 from ..verdict.agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity
 from ..verdict.promise import LeftOut, allowed_error, in_words, share
+from ..versions import package_versions
 from .output.files import RUN_FILES, write_numbers
 from .output.folder import output_folder
 from .output.table import Table
-from .scope import beyond_the_model, outside
-from .summary import summary
+from .scope import beyond_the_model, left_out, modelled, outside
 from .table import by_method, in_units, report
 from .words import Account
 
@@ -291,7 +292,7 @@ class Result(AnswersGuesses):
     @property
     def summary(self) -> dict[str, Any]:
         """The content of `summary.json`: verdict, cost, error estimates, scope and notes."""
-        return summary(self) if self.saved is None else self.saved
+        return _summary(self) if self.saved is None else self.saved
 
     def __repr__(self) -> str:
         """Return the answer in a few lines, the verdict, and warnings."""
@@ -405,6 +406,54 @@ class Result(AnswersGuesses):
             if failures := show(self, self._account, PICTURES, out.hidden, page=True):
                 raise RingwearError("; ".join(failures))
         return out.written
+
+
+def _summary(result: Result) -> dict[str, Any]:
+    """Return a summary of a run that can be written as JSON.
+
+    It contains the verdict, the answer, cost and error estimates of each method, the agreement, the
+    anchors, the scope of the model, the warnings and the notes.
+    """
+    scene, rtol = result.scene, result.scene.accuracy.rtol
+    methods = {
+        name: {
+            "seconds": {
+                stage: round(seconds, 6) for stage, seconds in result.stages[name].seconds.items()
+            },
+            "unknowns": solution.unknowns,
+            "settings": solution.settings,
+            "rtol_asked": rtol,
+            "error_estimate": solution.error_estimate,
+            "error_estimate_parts": solution.parts,
+            "beyond_rtol": solution.beyond(rtol),
+        }
+        for name, solution in result.solutions.items()
+    }
+    entries = {
+        "title": scene.title,
+        "units": scene.units,
+        "verdict": result.verdict,
+        "quantities": result.quantities,
+        "answer": result.answers,
+        "methods": methods,
+        "agreement": [
+            asdict(row)
+            # infinity, which a missing error estimate counts as, is read back as a number
+            | {name: min(getattr(row, name), 1e99) for name in ("difference", "uncertainty")}
+            | {"agrees": row.agrees}
+            for row in result.agreement
+        ],
+        "agrees": result.verdict == AGREE,
+        "left_out_of_promise": [asdict(row) for row in result.left_out_of_promise],
+        "anchors": [asdict(anchor) | {"holds": anchor.holds} for anchor in result.anchors],
+        "modelled": modelled(scene, result.methods),
+        "left_out": left_out(scene, result.methods),
+        "warnings": result.warnings,
+        "notes": result.notes,
+        "versions": package_versions(),
+    }
+    written: dict[str, Any] = as_json(entries)
+    return written
 
 
 def methods_with_fields(table: Table) -> tuple[str, ...]:

@@ -19,7 +19,6 @@ from pydantic import AfterValidator, Field, ValidationError, model_validator
 from ....meshes.errors import SceneError
 from ..problem.fields import Height, Section, TomlTable
 from ..problem.problem import Problem
-from ..problem.profile_file import with_profile_of_file
 from ..problem.punch import PunchSection
 from ..problem.quantities import GROUPS, expand
 from ..problem.sections import (
@@ -35,7 +34,7 @@ from ..problem.written import check_one_line, shown
 from ..registry import METHODS
 from .explain import explain, key_meant, keys_of, place_of
 from .keys import dotted, listed, with_key, without_alternatives
-from .sources import line_of, tables_of, text_of
+from .sources import line_of, tables_of, text_of, with_profile_of_file
 
 
 def check_method(method: str) -> str:
