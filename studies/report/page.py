@@ -58,9 +58,11 @@ def _draw(result: Result, pictures: Sequence["Picture"], directory: Path) -> lis
     # a fork would not copy other threads
     forks = sys.platform == "linux" and cores() > 1 and threading.active_count() == 1
     process = get_context("fork" if forks else None).Process(target=draw_apart)
-    if forks:
-        process.start()
     try:
+        if forks:
+            # a signal between the fork and its record would leave the process behind
+            with signals_wait():
+                process.start()
         failures = make(
             directory / INSIDE, lambda path: write_half_space(result.inside(), scene, path, series)
         ) + draw(of_inside=True)
@@ -69,7 +71,7 @@ def _draw(result: Result, pictures: Sequence["Picture"], directory: Path) -> lis
         # what could not be drawn is tried again here, where the reason is returned
         return failures + (draw(of_inside=False) if process.exitcode != 0 else [])
     finally:
-        if forks:
+        if process.pid:
             process.kill()
             process.join()
 

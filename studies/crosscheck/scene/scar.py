@@ -33,6 +33,8 @@ GROWING = ("ball", "cone", "parabola")
 OF_HALF_SPACE, OF_LAYERS = 2 / 3, np.pi / 2
 # radius of the face over the bound of the contact radius
 MARGIN = 1.2
+# ratio of the radii that bracket that bound
+STEP = 1.2
 # a radius that only lets other keys of the punch be checked
 PRELIMINARY = 1e-30
 POINTS = 24
@@ -108,17 +110,18 @@ def _scar_radius(
             compliance *= uniform_energy(ground.ground(radius))
         return inside - volume - part * force * radius * compliance
 
-    # bracket the radius by factors of 2, from one at which layers are not thin
+    # bracket the radius in small steps, from one at which layers are not thin: a wider
+    # face may have too thin layers
     outer = min(ground.layers[0].thickness if ground.layers else 1.0, widest)
     while outer < widest and excess(outer) < 0:
-        outer = min(2 * outer, widest)
+        outer = min(STEP * outer, widest)
     if excess(outer) < 0:
         raise SceneError(
             f"the scar becomes wider than the ball, whose radius is {widest:g}: give earlier "
             "wear.times, or a smaller load"
         )
-    inner = outer / 2
+    inner = outer / STEP
     while excess(inner) > 0:
-        outer, inner = inner, inner / 2
+        outer, inner = inner, inner / STEP
     bound = float(brentq(excess, inner, outer, rtol=1e-3))
     return min(MARGIN * bound, widest)
