@@ -94,8 +94,8 @@ EXTREMES = {
 @pytest.mark.parametrize("name", nightly_but([*EXTREMES][::2], EXTREMES))
 def test_numbers_at_extremes_are_right_or_left_out(name):
     edges, wear, times, rtol, left_out, *more = EXTREMES[name]
-    punch = {"ring_edges": edges, "wear_coefficients": wear}
-    row = hold(natural(punch, times, rtol, **dict(*more)), "mdr", "fem")
+    tables = {"punch": {"ring_edges": edges, "wear_coefficients": wear}} | dict(*more)
+    row = hold(natural(tables.pop("punch"), times, rtol, **tables), "mdr", "fem")
     assert not row.silent
     assert row.excluded.keys() <= {*left_out}
     assert row.verdict == ("undecided" if left_out is SLOPES else "agree")
