@@ -12,9 +12,9 @@ from scipy.special import j0
 
 from ringwear import Scene, run
 from ringwear.studies.challenge.answers import read_answers
-from ringwear.studies.challenge.problems import SCENE, problem_name, problems
+from ringwear.studies.challenge.problems import layered_problems, problem_name
 
-PROBLEMS = {int(problem_name(path)[:2]): path for path in problems() if path.name == SCENE}
+PROBLEMS = {int(problem_name(path)[:2]): path for path in layered_problems()}
 ANSWERS = {number: read_answers(path) for number, path in PROBLEMS.items()}
 
 
