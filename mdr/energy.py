@@ -16,11 +16,11 @@ from ..meshes.compliance import Compliance
 from ..meshes.ground.ground import HALF_SPACE, Ground, spectrum
 from ..meshes.pressure_space import PressureSpace
 from ..meshes.radial import Array
-from .layers import VALUES_PER_BLOCK
+from .layers import in_blocks
 from .transforms import EXTRA_POINTS, line_density, panel_quadrature, panels_from_axis
 
-# Points of the quadrature over the thickness of the first layer: the waves that layers reflect are
-# integrated to 1e-12 (tests/unit/mdr/test_energy.py).
+# Points of the quadrature over the thickness of the first layer: what layers add is right to 1e-11
+# (physics/test_layers.py::test_boundary_elements_and_the_mdr_are_the_same_operator).
 POINTS_PER_THICKNESS = 6
 
 
@@ -53,7 +53,7 @@ def _on_layers(factor: Array, positions: Array, weights: Array, ground: Ground) 
     densities *= np.sqrt(weights)[:, None]
     s, added = spectrum(ground)
     energy = np.eye(len(triangle))
-    for block in np.array_split(np.arange(len(s)), 1 + len(s) * len(positions) // VALUES_PER_BLOCK):
+    for block in in_blocks(np.arange(len(s)), len(positions)):
         transforms = densities.T @ np.cos(np.outer(positions, s[block]))
         energy += (transforms * (2 / np.pi * added[block])) @ transforms.T
     return np.asarray(cholesky(energy, check_finite=False) @ triangle)

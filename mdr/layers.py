@@ -20,7 +20,7 @@ from ..meshes.radial import Array, unit_gauss
 WIDEST_PANEL = 2.0
 # number of Gauss points on a panel in addition to the degree of the pressure
 EXTRA_POINTS = 24
-# number of values of Bessel functions that are stored at a time
+# number of values of Bessel functions or cosines that are stored at a time
 VALUES_PER_BLOCK = 2**21
 
 
@@ -43,7 +43,7 @@ def hankel_transforms(space: PressureSpace, s: Array, widest: float) -> Array:
     panel_values = panels.on_elements(2 * node - 1)
     values = panel_values if panels is space else panel_values @ panels.embedding(space)
     out = np.empty((space.size, len(s)))
-    for block in np.array_split(np.arange(len(s)), 1 + len(s) * len(radii) // VALUES_PER_BLOCK):
+    for block in in_blocks(np.arange(len(s)), len(radii)):
         bessel = j0(np.outer(radii, s[block])) * (radii * lengths)[:, None]
         out[:, block] = values.T @ bessel
     return out
@@ -80,5 +80,10 @@ def added_slope(ring_edges: Array, steps: Array, radii: Array, ground: Ground) -
 
 def _summed(bessel: Callable[[Array], Array], s: Array, loads: Array, radii: Array) -> Array:
     """Return the sums over wave numbers at radii, in blocks of radii."""
-    blocks = np.array_split(radii, 1 + len(s) * len(radii) // VALUES_PER_BLOCK)
-    return np.concatenate([bessel(np.outer(block, s)) @ loads for block in blocks])
+    parts = [bessel(np.outer(block, s)) @ loads for block in in_blocks(radii, len(s))]
+    return np.concatenate(parts)
+
+
+def in_blocks(values: Array, others: int) -> list[Array]:
+    """Return values (n,) in blocks whose tables with a number of others fit into memory."""
+    return np.array_split(values, 1 + len(values) * others // VALUES_PER_BLOCK)

@@ -288,7 +288,7 @@ class FullContact(Evaluation):
 
         The difference of a relaxation time is at least that of any slower one, because differences
         cross zero. That of a quantity that depends on thin layers at ring edges counts twice for
-        each layer that the mesh lacks, because both meshes lack it.
+        each layer that the mesh lacks, because both meshes lack it, and at least once.
         """
         if name == "relaxation_time":
             difference = _growing_errors(difference)

@@ -52,7 +52,8 @@ from .spaces import choose_spaces
 # Largest error estimate of a relaxation time that is reported. Above it, estimates are not reliable
 # (physics/test_late_times.py::test_reported_relaxation_times_are_as_accurate_as_stated).
 LARGEST_MODE_ERROR = 0.02
-# Increase of the width of elements on layers per distance from the edges of a fitted start.
+# Increase of the width of elements on layers per distance from the edges of a fitted start
+# (physics/test_thin_layers.py::test_a_ball_on_a_thin_coat_against_an_independent_equation).
 GROWTH_AT_START = 0.5
 
 

@@ -43,8 +43,8 @@ RUNNING_IN = [0.0, 0.001, 0.003, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5,
 
 # least radius of the mesh of the half-space, in punch radii
 LEAST_TRUNCATION = 2.0
-# least thickness of the first layer in punch radii; waves on a thinner one take more than some
-# minutes
+# least thickness of the first layer in punch radii; a run with a thinner one would take more than
+# some minutes
 THINNEST_LAYER = 5e-4
 # greatest ratio of the moduli of adjacent layers; beyond it, the kernel loses half of its digits
 MOST_CONTRAST = 1e4

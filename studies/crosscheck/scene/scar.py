@@ -110,8 +110,8 @@ def _scar_radius(
             compliance *= uniform_energy(ground.ground(radius))
         return inside - volume - part * force * radius * compliance
 
-    # bracket the radius in small steps, from one at which layers are not thin: a wider
-    # face may have too thin layers
+    # bracket the radius in small steps, from one at which layers are not thin: on a much wider face
+    # they would be too thin
     outer = min(ground.layers[0].thickness if ground.layers else 1.0, widest)
     while outer < widest and excess(outer) < 0:
         outer = min(STEP * outer, widest)
