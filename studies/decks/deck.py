@@ -133,7 +133,9 @@ def deck(
             files[f"contact_{number}.inp"] = render(
                 f"{program}_contact.inp",
                 head=head(linear_model, about, writer.COMMENTS, [at_corners], scale),
-                **{"model": linear_model, "state": at_corners, "scale": scale},
+                model=linear_model,
+                state=at_corners,
+                scale=scale,
                 **writer.contact(linear_model, at_corners, scale),
             )
         if problem.full_contact:
@@ -145,8 +147,13 @@ def deck(
             )
         files["README.md"] = render(
             "readme.md",
-            **{"model": model, "scene": scene, "writer": writer, "states": punch_states},
-            **{"reach": reach, "wear_steps": steps, "clamped": CLAMPED},
+            model=model,
+            scene=scene,
+            writer=writer,
+            states=punch_states,
+            reach=reach,
+            wear_steps=steps,
+            clamped=CLAMPED,
             prescribed=problem.full_contact,
             write=partial(scene.unit_names.write, digits=6),
         )

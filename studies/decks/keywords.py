@@ -178,10 +178,15 @@ def head(
     ]
     return render(
         "head.inp",
-        **{"model": model, "description": description, "comments": comments, "notes": notes},
+        model=model,
+        description=description,
+        comments=comments,
+        notes=notes,
         title=model.scene.title.encode("ascii", "replace").decode() or "untitled",
         steps=[part for line in model.wear_steps for part in wrap(line, COMMENT_WIDTH)],
-        **{"numbers": numbers, "mesh": "\n".join(lines), "scale": scale or 1.0},
+        numbers=numbers,
+        mesh="\n".join(lines),
+        scale=scale or 1.0,
     )
 
 

@@ -124,8 +124,12 @@ def _solve(
 ) -> tuple[dict[str, Any], Solution | None]:
     """Return the facts of a level, and its solution, which is None if the level fails."""
     facts: dict[str, Any] = {
-        **{"case": case.name, "parameter": case.parameter, "way": way.name},
-        **{"method": way.method, "refined": way.refined, "level": str(level)},
+        "case": case.name,
+        "parameter": case.parameter,
+        "way": way.name,
+        "method": way.method,
+        "refined": way.refined,
+        "level": str(level),
     }
     start = time.process_time()
     try:

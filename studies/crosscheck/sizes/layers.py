@@ -28,6 +28,8 @@ def narrowed_for_layers(space: PressureSpace, ground: Ground, growth: float = 0.
     With a `growth` they may be wider by that part of their distance from ring edges: the pressure
     of a fitted start decays from its edges over the thickness of the first layer.
     """
+    if not ground.layered:
+        return space
     to_edges = np.abs(space.breakpoints[:, None] - space.ring_edges).min(axis=1)
     distances = np.minimum(to_edges[:-1], to_edges[1:])
     thickness = MAX_WIDTH_PER_LAYER_THICKNESS * ground.first_thickness
