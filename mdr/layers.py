@@ -7,8 +7,10 @@ strain modulus of the first layer 1.
 """
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import j0, j1
 
 from ..meshes.ground.ground import Ground, spectrum
@@ -84,6 +86,6 @@ def _summed(bessel: Callable[[Array], Array], s: Array, loads: Array, radii: Arr
     return np.concatenate(parts)
 
 
-def in_blocks(values: Array, others: int) -> list[Array]:
+def in_blocks(values: NDArray[Any], others: int) -> list[NDArray[Any]]:
     """Return values (n,) in blocks whose tables with a number of others fit into memory."""
     return np.array_split(values, 1 + len(values) * others // VALUES_PER_BLOCK)
