@@ -55,8 +55,9 @@ def _draw(result: Result, pictures: Sequence["Picture"], directory: Path) -> lis
         with signals_wait():
             os._exit(len(draw(of_inside=False)))
 
-    # a fork would not copy other threads
-    forks = sys.platform == "linux" and cores() > 1 and threading.active_count() == 1
+    # a fork copies no other threads, and breaks the frameworks of macOS
+    forks = hasattr(os, "fork") and sys.platform != "darwin"
+    forks &= cores() > 1 and threading.active_count() == 1
     process = get_context("fork" if forks else None).Process(target=draw_apart)
     try:
         if forks:
