@@ -15,6 +15,7 @@ from .scale import Scale, shown_times
 from .style import (
     PAGE,
     Look,
+    cell_edges,
     complete,
     label_of,
     new_panels,
@@ -33,10 +34,7 @@ WORDS = {
 }
 # number of decades below the greatest difference that panels and maps show
 PANEL_DECADES, MAP_DECADES = 8, 6
-# cells of a map along the radius, each about a pixel on a screen; a cell shows its greatest
-# difference
-CELLS = 160
-# greatest number of rows of a map, for the same reason
+# greatest number of rows of a map, each about a pixel on a screen
 ROWS = 400
 # look of the mark at the largest difference
 MARK: Look = {
@@ -163,17 +161,15 @@ def _draw_map(
     Of very many times, several are one row, which shows the greatest difference of them.
     """
     radii, count = scale.shown("radius", field.radii), len(field.times)
-    inner, outer = _face(scale)
-    cells = np.linspace(inner, outer, CELLS + 1)
     first_times = np.unique(np.linspace(0, count, ROWS, endpoint=False).astype(int))
-    image = _greatest_in_cells(field.relative, radii, cells)
-    image = np.fmax.reduceat(image, first_times, axis=0)
+    image = np.fmax.reduceat(field.relative, first_times, axis=0)
     rows = np.append(first_times, count) - 0.5
     values = np.ma.masked_invalid(np.maximum(image, limits[0]))
-    mesh = axes.pcolormesh(cells, rows, values, norm=LogNorm(*limits), cmap="magma_r")
+    norm = LogNorm(*limits)
+    mesh = axes.pcolormesh(cell_edges(radii), rows, values, norm=norm, cmap="magma_r")
     if contact_edges.shape[1] and len(contact_edges) == count:
         places = scale.shown("radius", contact_edges)
-        places = np.where(places > inner, places, np.nan)
+        places = np.where(places > _face(scale)[0], places, np.nan)
         look: Look = {"marker": "|", "linestyle": "", "color": "#1565c0", "markersize": 4}
         lines = axes.plot(places, np.arange(count), **look)
         lines[0].set_label("edge of the contact")
@@ -189,23 +185,6 @@ def _draw_map(
     axes.set_yticks(labelled, labels)
     axes.set(ylim=rows[[0, -1]], ylabel=scale.label("time").partition(" (")[0])
     return mesh
-
-
-def _greatest_in_cells(values: Array, places: Array, cells: Array) -> Array:
-    """Return the greatest of values (T, R) at increasing places in each cell (T, n).
-
-    A cell without places has the value of the nearest cell with some; cells before the first place
-    and after the last one are NaN.
-    """
-    number = np.clip(np.searchsorted(cells, places, side="right") - 1, 0, len(cells) - 2)
-    greatest = np.full((len(values), len(cells) - 1), np.nan)
-    filled, starts = np.unique(number, return_index=True)
-    greatest[:, filled] = np.fmax.reduceat(values, starts, axis=1)
-    middle = (cells[1:] + cells[:-1]) / 2
-    empty = np.setdiff1d(np.arange(number[0], number[-1] + 1), filled)
-    nearest = filled[np.abs(middle[empty, None] - middle[filled]).argmin(axis=1)]
-    greatest[:, empty] = greatest[:, nearest]
-    return greatest
 
 
 def _face(scale: Scale) -> tuple[float, float]:

@@ -87,7 +87,7 @@ class Scale:
             "volume": 100 * slid * units.volume,
         }
         self.axes = {kind: self.unit(size, kind) for kind, size in sizes.items()}
-        self.axes["time"] = self._time_unit([time for time in times if time > 0])
+        self.axes["time"] = short_numbers(times[-1], *self.names.unit_of_times(times))
         # under varying loads, late times are as interesting as early ones
         self.logarithmic = times[-1] > 30 * times[0] and not self.problem.loading.varies
         self.many_rings = len(self.problem.wear_coefficients) > 24
@@ -109,35 +109,9 @@ class Scale:
         return method_curve(method, points, self.looks[method])
 
     def unit(self, size: float, kind: str) -> tuple[float, str]:
-        """Return the unit for numbers of this size in figures, and its name.
-
-        If numbers are very small or large in their unit, it is multiplied by a power of ten, so
-        that the numbers at an axis are short.
-        """
-        unit, name = self.names.readable(size, "displacement" if kind == "height" else kind)
-        if not np.isfinite(size) or size <= 0 or SMALLEST <= size / unit < LARGEST:
-            return unit, name
-        power = float(10.0 ** np.floor(np.log10(size / unit)))
-        return power * unit, f"{power_of_ten(power)} {name}".rstrip()
-
-    def _time_unit(self, times: Sequence[float]) -> tuple[float, str]:
-        """Return the unit of the axis of time, and its name: that of the last of the times.
-
-        If the last time has more than three digits in this unit, it is the unit of another time in
-        which all of them have up to three digits: 2 h, 24 h and 200 h, not 0.0833, 1 and 8.33 days.
-        """
-        default = self.axes["time"]
-
-        def short(unit: float, shown: Sequence[float]) -> bool:
-            return all(
-                time <= 1000 * unit and np.isclose(time / unit, float(f"{time / unit:.3g}"), 1e-9)
-                for time in shown
-            )
-
-        if short(default[0], times[-1:]):
-            return default
-        units = sorted((self.names.readable(time, "time") for time in times), reverse=True)
-        return next((unit for unit in units if short(unit[0], times)), default)
+        """Return the unit for numbers of this size in figures, and its name."""
+        kind = "displacement" if kind == "height" else kind
+        return short_numbers(size, *self.names.readable(size, kind))
 
     def shown(self, name: str, values: Any) -> Any:
         """Convert values of a quantity from the units of the scene to those of its axis."""
@@ -211,6 +185,14 @@ class Scale:
             return "steady state"
         last = float(loading.forces[-1]) * self.problem.units.force
         return f"steady state at F = {self.names.write(last, 'force', 3)}"
+
+
+def short_numbers(size: float, unit: float, name: str) -> tuple[float, str]:
+    """Return a unit and its name, times a power of ten if numbers are very small or large in it."""
+    if not np.isfinite(size) or size <= 0 or SMALLEST <= size / unit < LARGEST:
+        return unit, name
+    power = float(10.0 ** np.floor(np.log10(size / unit)))
+    return power * unit, f"{power_of_ten(power)} {name}".rstrip()
 
 
 def subtracted_height(problem: Problem, profiles: Array) -> Array:

@@ -9,14 +9,14 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from scipy.special import chdtrc, gammaln, ndtr, stdtr
+from scipy.special import chdtrc, ndtr, stdtr
 
-from ...meshes import Array, Indices
+from ...meshes import Array
 from ..estimate.estimator import MAX_NUMERICAL_ERROR, Likelihood
 
 # combined probability below which the law is rejected
 LEVEL = 0.05
-# least number of values in a series that is tested for runs, and of times for a drift
+# least number of values in a series whose differences are tested, and of times for a drift
 MIN_VALUES = 5
 # least degrees of freedom that remain after a drift is fitted, if the noise is not known
 MIN_FREEDOM = 2
@@ -27,11 +27,11 @@ TIME_CHANGE = 1e-4
 def residual_tests(likelihood: Likelihood, x: Array) -> dict[str, float]:
     """Return the probabilities of the residuals at a point (m,), by the names of the tests.
 
-    Chi-square is tested only if all noises were given. The number of runs of one sign and von
-    Neumann's ratio of successive differences detect that neighbouring residuals are alike; series
-    that agree with the model to within its numerical error are not tested for that. A score test
-    detects a wear coefficient whose logarithm drifts as ``t`` or as ``ln t``. The result is empty
-    if there are too few values for any test.
+    Chi-square is tested only if all noises were given. Von Neumann's ratio of successive
+    differences detects that neighbouring residuals are alike; series that agree with the model to
+    within its numerical error are not tested for that. A score test detects a wear coefficient
+    whose logarithm drifts as ``t`` or as ``ln t``. The result is empty if there are too few values
+    for any test.
     """
     residuals, probabilities = likelihood.residuals(x), dict[str, float]()
     freedom = likelihood.degrees_of_freedom
@@ -43,9 +43,8 @@ def residual_tests(likelihood: Likelihood, x: Array) -> dict[str, float]:
         if len(series) < MIN_VALUES or within_numerical_error:
             continue
         suffix = "" if len(likelihood.measurements) == 1 else f" of {each.label}"
-        while f"runs{suffix}" in probabilities:
+        while f"successive differences{suffix}" in probabilities:
             suffix += " (again)"
-        probabilities[f"runs{suffix}"] = few_runs(series)
         probabilities[f"successive differences{suffix}"] = small_differences(series)
     for name, score in _drift_scores(likelihood, x, residuals):
         probabilities[name] = _probability_of_score(likelihood, residuals, score)
@@ -55,36 +54,6 @@ def residual_tests(likelihood: Likelihood, x: Array) -> dict[str, float]:
 def combined(tests: dict[str, float]) -> float:
     """Return the smallest probability of several tests times their number; 1 without any test."""
     return min((1.0, *(len(tests) * probability for probability in tests.values())))
-
-
-def few_runs(series: Array) -> float:
-    """Return the probability of at most so many runs of one sign, by the law of their number.
-
-    That law is exact for any number of values (Wald and Wolfowitz): the runs of each sign divide
-    its values into parts, and all orders of the signs are equally likely.
-    """
-    above = series > 0
-    positive, negative = int(above.sum()), int((~above).sum())
-    if not positive or not negative:
-        return float(0.5 ** (len(series) - 1))
-    changes = int(np.sum(above[1:] != above[:-1]))
-    runs = np.arange(2, 2 + changes, dtype=np.int64)
-    # an odd number of runs has one more of the sign with which it begins and ends
-    fewer, more = runs // 2, (runs + 1) // 2
-    orders = np.logaddexp(
-        _log_partitions(positive, fewer) + _log_partitions(negative, more),
-        _log_partitions(positive, more) + _log_partitions(negative, fewer),
-    )
-    all_orders = gammaln(len(series) + 1) - gammaln(positive + 1) - gammaln(negative + 1)
-    return float(min(np.exp(orders - all_orders).sum(), 1.0))
-
-
-def _log_partitions(count: int, parts: Indices) -> Array:
-    """Return the logarithms of the numbers of ways to divide values in a row into parts.
-
-    There is none for more parts than values, where the last logarithm is infinite.
-    """
-    return np.asarray(gammaln(count) - gammaln(parts) - gammaln(count - parts + 1))
 
 
 def small_differences(series: Array) -> float:

@@ -309,6 +309,25 @@ class UnitNames:
         mean_magnitude = float(np.sqrt(magnitudes.min()) * np.sqrt(magnitudes.max()))
         return self.readable(mean_magnitude, kind)
 
+    def unit_of_times(self, times: Sequence[float]) -> tuple[float, str]:
+        """Return a readable unit for times: its size in the scene's unit, and its name.
+
+        It is that of the last one if this has up to three digits in it; otherwise the largest unit
+        in which all of them have: 100 h, not 4.167 days; 2 h and 200 h, not 0.0833 and 8.33 days.
+        """
+
+        def are_short(unit: float, shown: Sequence[float]) -> bool:
+            numbers = np.array(shown) / unit
+            rounded = [float(f"{number:.3g}") for number in numbers]
+            return bool((numbers <= 1000).all() and np.allclose(numbers, rounded, 1e-9, 0.0))
+
+        last, kind = self.readable(times[-1], "time"), self._meant("time")
+        if are_short(last[0], times[-1:]):
+            return last
+        choices = self._choices(kind).items()
+        units = [(size / self.size(kind), name) for name, size in choices][::-1]
+        return next((unit for unit in units if are_short(unit[0], times)), last)
+
     def write_together(self, values: Sequence[float], kind: str) -> list[str]:
         """Return values of one kind as texts, all in one readable unit."""
         if len(values) == 1:
@@ -320,38 +339,23 @@ class UnitNames:
                 texts.append(self.write(value, kind))
                 continue
             number = float(f"{value / unit:.4g}")
-            one = SINGULAR.get(name, name) if number == 1 else name
-            texts.append(f"{number:g} {one}".rstrip())
+            texts.append(f"{number:g} {_of_number(name, number)}".rstrip())
         return texts
 
     def write(self, value: float, kind: str, digits: int = 4) -> str:
         """Return a value with a readable unit, as text."""
         if not np.isfinite(value):
             return "infinite" if np.isinf(value) else "not computed"
-        kind = self._meant(kind)
-        unit, name = self.readable(value, kind)
+        is_time = self._meant(kind) == "time"
+        unit, name = self.unit_of_times([value]) if is_time else self.readable(value, kind)
         # round before formatting: 190 instead of 1.9e+02
         number = float(f"{value / unit:.{digits}g}")
-        if kind == "time":
-            number, name = self._rounder_time(value, number, name, digits)
-        return f"{number:g} {name}".rstrip()
+        return f"{number:g} {_of_number(name, number)}".rstrip()
 
-    def _rounder_time(
-        self, value: float, number: float, name: str, digits: int
-    ) -> tuple[float, str]:
-        """Return a time in the next smaller unit if it has fewer digits there: 30 h, not 1.25 days.
 
-        A whole number keeps its unit: 15 min, not 900 s.
-        """
-        choices = list(self._choices("time").items())
-        index = [choice for choice, _ in choices].index(name) if name in dict(choices) else 0
-        if index and value and not number.is_integer():
-            smaller, smaller_size = choices[index - 1]
-            in_smaller = float(f"{value * self.size('time') / smaller_size:.{digits}g}")
-            exact = abs(in_smaller * smaller_size / self.size("time") / value - 1) < 1e-9
-            if exact and in_smaller <= 1000 and _digits(in_smaller) < _digits(number):
-                return in_smaller, smaller
-        return number, SINGULAR.get(name, name) if number == 1 else name
+def _of_number(name: str, number: float) -> str:
+    """Return the name of a unit after a number: 1 day, but 2 days."""
+    return SINGULAR.get(name, name) if number == 1 else name
 
 
 def units_of_table(table: Mapping[str, object], units: str) -> UnitNames:
@@ -485,11 +489,6 @@ def nearest_unit(unit: str, kind: str) -> str:
         if not match or likeness(match)[0] < LEAST_LIKENESS:
             match = nearest(unit, SI[kind])
     return f"did you mean '{match}'? Else " if match else ""
-
-
-def _digits(number: float) -> int:
-    """Return the number of significant digits of a number."""
-    return len(f"{number:.15g}".replace(".", "").strip("0"))
 
 
 @lru_cache(maxsize=64)
