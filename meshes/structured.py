@@ -92,18 +92,11 @@ def below_nodes(on_contact: Array, reach: float, first_row: float | None = None)
     return quarter_disc(radii, depths, shells_around(reach, GROWTH))
 
 
-def in_triangles(mesh: MeshQuad, rising: bool = True) -> MeshTri:
-    """Return the mesh with each quadrilateral divided into two triangles along one diagonal.
+def in_triangles(mesh: MeshQuad) -> MeshTri:
+    """Return the mesh with each quadrilateral divided into two triangles.
 
-    Parameters
-    ----------
-    mesh : quadrilaterals
-    rising : which of the two diagonals: in the square, the one from the axis at the surface down,
-        or the other one
+    The diagonal of the square leads from the axis at the surface down.
     """
     first, second, third, fourth = mesh.t
-    if rising:
-        triangles = [[first, second, third], [first, third, fourth]]
-    else:
-        triangles = [[first, second, fourth], [second, third, fourth]]
+    triangles = [[first, second, third], [first, third, fourth]]
     return MeshTri(mesh.p, np.hstack([np.stack(corners) for corners in triangles]))

@@ -20,11 +20,6 @@ def problems() -> list[Path]:
     return sorted(files, key=problem_name)
 
 
-def layered_problems() -> list[Path]:
-    """Return the scene files of the problems on layered ground, in order."""
-    return [path for path in problems() if path.name == SCENE]
-
-
 def problem_name(problem: Path) -> str:
     """Return the name of a problem, such as ``03_five_rings``: that of its file or folder."""
     return problem.parent.name if problem.name == SCENE else problem.stem

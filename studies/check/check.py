@@ -162,8 +162,7 @@ def check(
             len(scene.wear.times),
         )
         scene = scene.changed(output__quantities=["history", "steady"])
-    how = {"without_fields": "tables without fields along the radius"} if fields else {}
-    refuse_beyond_memory(scene, ours.values(), memory, numbers_at_a_time, **how)
+    refuse_beyond_memory(scene, ours.values(), memory, numbers_at_a_time)
     others = {name: OtherProgram.from_table(name, table, scene) for name, table in tables.items()}
     methods_of([*others.values()])  # refuses names that are more than one line
     decks = {name: reach_of_deck(programs.get(name), scene) for name in tables}

@@ -19,9 +19,6 @@ if TYPE_CHECKING:
 MIN_CORRELATION = 0.9
 # standard deviation of a logarithm above which data do not separate two parameters
 INSEPARABLE_DEVIATION = 0.5 * np.log(2.0)
-# least cosine between the best known combination of coefficients and their harmonic mean at which
-# it is reported as the harmonic mean
-MIN_COSINE = 0.98
 # greatest standard deviation of the harmonic mean, relative, with which it is reported
 MAX_DEVIATION_OF_MEAN = 0.25
 
@@ -125,7 +122,7 @@ def _inseparable_since(fit: "Fit", first: int, second: int, names: UnitNames) ->
 
 
 def _harmonic(fit: "Fit") -> str:
-    """Return the uncertainty of the harmonic mean of wear coefficients, if it is known best."""
+    """Return the uncertainty of the harmonic mean of wear coefficients, if it is known."""
     likelihood = fit.likelihood
     wear = [
         place
@@ -137,11 +134,8 @@ def _harmonic(fit: "Fit") -> str:
         # if other parameters have no effect alone, the scale of wear coefficients is not known
         return ""
     covariance = fit.profiles.covariance[np.ix_(wear, wear)]
-    best_known = np.linalg.eigh(covariance)[1][:, 0]
     weights = _steady_weights(fit, wear)
-    if abs(best_known @ weights) < MIN_COSINE * np.linalg.norm(weights):
-        return ""
-    deviation = float(np.sqrt(weights @ covariance @ weights) / weights.sum())
+    deviation = float(np.sqrt(weights @ covariance @ weights))
     if deviation > MAX_DEVIATION_OF_MEAN:
         return ""
     return (

@@ -20,7 +20,6 @@ use.
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from importlib.resources import files
 from itertools import product
 from math import prod
 from operator import attrgetter
@@ -38,18 +37,16 @@ from ..crosscheck import (
     Problem,
     Scene,
     TomlTable,
-    bundled,
-    did_you_mean,
     method,
     nearest,
     profile_of_file,
     shown,
     tables_of,
+    text_of,
     unsuitable_methods,
     with_key,
     without_alternatives,
 )
-from ..tables.devices import refuse_device
 from .columns import Column, has_units, read_columns
 
 # greatest number of scenes of one sweep
@@ -128,14 +125,9 @@ class Sweep:
         source : file or name
         methods, keep : methods and quantities to keep, in place of those of the sweep
         """
-        path, folder = Path(source), Path(str(files("ringwear.studies"))) / "sweep" / "files"
-        file = path if path.exists() else folder / f"{source}.toml"
-        try:
-            refuse_device(file)
-            table = tables_of(file.read_text("utf-8"))
-        except (OSError, ValueError) as error:
-            raise SceneError(_explain_unreadable(str(source), error)) from error
-        return cls.of(table if keep is None else table | {"keep": keep}, path.parent, methods)
+        table = tables_of(text_of(source, "sweep"), str(source))
+        table |= {} if keep is None else {"keep": keep}
+        return cls.of(table, Path(source).parent, methods)
 
     @classmethod
     def of(
@@ -321,19 +313,6 @@ def _labels(scene: Scene) -> dict[str, Column]:
         "wear.times": Column("time", "time", scene.wear.times),
         "output.radii": Column("radius", "radius", scene.output.radii or []),
     }
-
-
-def _explain_unreadable(source: str, error: OSError | ValueError) -> str:
-    """Return a message that explains why a sweep file cannot be read, and what to give instead."""
-    bundled_files = (files("ringwear.studies") / "sweep" / "files").iterdir()
-    names = sorted(file.name.removesuffix(".toml") for file in bundled_files)
-    reason = str(error.strerror).lower() if isinstance(error, OSError) else str(error)
-    otherwise = f"give a sweep file, TOML in UTF-8, or one of {', '.join(names)}"
-    if source in bundled():
-        reason = "it is a scene"
-        otherwise = f"compute a scene with `ringwear run {source}`; {otherwise}"
-    hint = did_you_mean(source, () if source in bundled() else names, otherwise, "")
-    return f"{source} cannot be read as a sweep: {reason}; {hint.removeprefix(': ')}"
 
 
 def _profile_of_file(table: TomlTable) -> TomlTable:

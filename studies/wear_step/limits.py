@@ -137,9 +137,7 @@ def vertices_of_size(problem: Problem, size: float) -> Array:
     return np.concatenate(radii)
 
 
-def mesh_below(
-    vertices: Array, element: str, ring_edges: Array, row: float = 1.0, rising: bool = True
-) -> Mesh:
+def mesh_below(vertices: Array, element: str, ring_edges: Array, row: float = 1.0) -> Mesh:
     """Return a mesh in rows and columns below given vertices of the surface.
 
     Parameters
@@ -148,11 +146,10 @@ def mesh_below(
     element : name of the element
     ring_edges : (N+1,) ring edges, from 0 or the radius of a hole to 1
     row : thickness of the first row over the least distance of two vertices
-    rising : direction of the diagonals of triangles
     """
     mesh = structured.below_nodes(vertices, REACH, row * float(np.diff(vertices).min()))
     if element.startswith("P"):
-        return as_half_space(structured.in_triangles(mesh, rising), ring_edges)
+        return as_half_space(structured.in_triangles(mesh), ring_edges)
     return as_half_space(mesh, ring_edges)
 
 
@@ -169,10 +166,9 @@ def limits_of_size(scene: Scene, size: float, element: str) -> list[StepLimits]:
     vertices, parts = vertices_of_size(problem, size), contacts_of(scene)
     edges, meshes = problem.merged.ring_edges, []
     for row in FIRST_ROWS:
-        for rising in (True, False) if element.startswith("P") else (True,):
-            # triangles in rows and columns of a small size would be flat at a distance
-            with suppress(MeshError):
-                meshes.append(mesh_below(vertices, element, edges, row, rising))
+        # triangles in rows and columns of a small size would be flat at a distance
+        with suppress(MeshError):
+            meshes.append(mesh_below(vertices, element, edges, row))
     if element.startswith("P"):
         meshes.append(_free_triangles(edges, size))
     if not meshes:

@@ -12,9 +12,9 @@ from scipy.special import j0
 
 from ringwear import Scene, run
 from ringwear.studies.challenge.answers import read_answers
-from ringwear.studies.challenge.problems import layered_problems, problem_name
+from ringwear.studies.challenge.problems import SCENE, number_of, problems
 
-PROBLEMS = {int(problem_name(path)[:2]): path for path in layered_problems()}
+PROBLEMS = {number_of(path): path for path in problems() if path.name == SCENE}
 ANSWERS = {number: read_answers(path) for number, path in PROBLEMS.items()}
 
 

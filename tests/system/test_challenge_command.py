@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ringwear import Scene
-from ringwear.studies.challenge.problems import layered_problems, problem_name
+from ringwear.studies.challenge.problems import problem_named
 
 HEAD = "| problem | program | quantity | values | greatest relative error | case |"
 
@@ -62,7 +62,7 @@ def test_the_contact_of_the_ball_over_the_radius(command, tmp_path):
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
 def test_the_input_file_of_the_road_runs(tmp_path):
     """CalculiX gives the deflection of the answers, less what the clamped arc takes from it."""
-    (folder,) = (path.parent for path in layered_problems() if problem_name(path).startswith("15"))
+    folder = problem_named("15").parent
     given = (folder / "road.inp").read_text("utf-8")
     (tmp_path / "road.inp").write_text(given, "utf-8")
     environment = os.environ | {"OMP_NUM_THREADS": "1"}

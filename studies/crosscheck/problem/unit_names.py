@@ -324,38 +324,32 @@ class UnitNames:
         last, kind = self.readable(times[-1], "time"), self._meant("time")
         if are_short(last[0], times[-1:]):
             return last
-        choices = self._choices(kind).items()
-        units = [(size / self.size(kind), name) for name, size in choices][::-1]
-        return next((unit for unit in units if are_short(unit[0], times)), last)
+        units = [(size / self.size(kind), name) for name, size in self._choices(kind).items()]
+        return next((unit for unit in reversed(units) if are_short(unit[0], times)), last)
 
     def write_together(self, values: Sequence[float], kind: str) -> list[str]:
         """Return values of one kind as texts, all in one readable unit."""
         if len(values) == 1:
             return [self.write(values[0], kind)]
         unit, name = self.readable_together(values, kind)
-        texts = []
-        for value in values:
-            if not np.isfinite(value):
-                texts.append(self.write(value, kind))
-                continue
-            number = float(f"{value / unit:.4g}")
-            texts.append(f"{number:g} {_of_number(name, number)}".rstrip())
-        return texts
+        return [_written(value, unit, name, 4) for value in values]
 
     def write(self, value: float, kind: str, digits: int = 4) -> str:
         """Return a value with a readable unit, as text."""
-        if not np.isfinite(value):
-            return "infinite" if np.isinf(value) else "not computed"
-        is_time = self._meant(kind) == "time"
-        unit, name = self.unit_of_times([value]) if is_time else self.readable(value, kind)
-        # round before formatting: 190 instead of 1.9e+02
-        number = float(f"{value / unit:.{digits}g}")
-        return f"{number:g} {_of_number(name, number)}".rstrip()
+        if self._meant(kind) == "time":
+            unit, name = self.unit_of_times([value])
+        else:
+            unit, name = self.readable(value, kind)
+        return _written(value, unit, name, digits)
 
 
-def _of_number(name: str, number: float) -> str:
-    """Return the name of a unit after a number: 1 day, but 2 days."""
-    return SINGULAR.get(name, name) if number == 1 else name
+def _written(value: float, unit: float, name: str, digits: int) -> str:
+    """Return a value in a unit as text."""
+    if not np.isfinite(value):
+        return "infinite" if np.isinf(value) else "not computed"
+    # round before formatting: 190 instead of 1.9e+02
+    number = float(f"{value / unit:.{digits}g}")
+    return f"{number:g} {SINGULAR.get(name, name) if number == 1 else name}".rstrip()
 
 
 def units_of_table(table: Mapping[str, object], units: str) -> UnitNames:

@@ -38,8 +38,11 @@ NUMBERS_OF_LISTS = 200.0
 # Least number of pressures on a ring, and number of pressures from which on the memory is predicted
 # from this alone: a space with so many takes seconds to make.
 LEAST_PRESSURES, MANY_PRESSURES = 2, 20_000
-# What to give for a run whose results have no fields over time.
-WITHOUT_FIELDS = "output.quantities without fields over time, as in ['history', 'steady']"
+# What to give for results without fields over time, in a run and in a check.
+WITHOUT_FIELDS = (
+    "output.quantities without fields over time, as in ['history', 'steady'], and tables without "
+    "fields"
+)
 
 
 def most_memory(needed: float) -> float:
@@ -131,7 +134,6 @@ def why_beyond_memory(
     methods: Collection[Method] | None = None,
     limit: float | None = None,
     others: float = 0.0,
-    without_fields: str = WITHOUT_FIELDS,
 ) -> str:
     """Return why a run does not fit into memory, with the remedy; empty if it fits.
 
@@ -141,8 +143,6 @@ def why_beyond_memory(
         As for `memory_need`.
     limit : float, optional
         Memory that may be used, in GiB; by default that of the machine.
-    without_fields : str
-        What to give for a run without fields over time.
 
     Raises
     ------
@@ -162,7 +162,7 @@ def why_beyond_memory(
     else:
         remedies = [f"at most {fitting_times} of the {times} times"]
         if any(map(problem.wants, GROUPS["fields"])):
-            remedies += [f"fewer than {len(problem.radii)} output.radii", without_fields]
+            remedies += [f"fewer than {len(problem.radii)} output.radii", WITHOUT_FIELDS]
     remedies.append("more --memory GIB (memory=GIB in Python) if there is more")
     return (
         f"about {fixed + over_time:.2g} GiB are needed, and {limit:.2g} are allowed: give "
@@ -175,7 +175,6 @@ def refuse_beyond_memory(
     methods: Collection[Method] | None = None,
     limit: float | None = None,
     others: float = 0.0,
-    without_fields: str = WITHOUT_FIELDS,
 ) -> None:
     """Refuse a run that would not fit into memory, before any work.
 
@@ -186,7 +185,7 @@ def refuse_beyond_memory(
     SceneError
         with the memory that is needed, and with the number of times that would fit
     """
-    if reason := why_beyond_memory(scene, methods, limit, others, without_fields):
+    if reason := why_beyond_memory(scene, methods, limit, others):
         raise SceneError(reason)
 
 

@@ -3,8 +3,6 @@
 It provides the non-dimensional problem that the methods solve.
 """
 
-import re
-import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import cached_property
@@ -34,7 +32,7 @@ from ..problem.written import check_one_line, shown
 from ..registry import METHODS
 from .explain import explain, key_meant, keys_of, place_of
 from .keys import dotted, listed, with_key, without_alternatives
-from .sources import line_of, tables_of, text_of, with_profile_of_file
+from .sources import tables_of, text_of, with_profile_of_file
 
 
 def check_method(method: str) -> str:
@@ -195,14 +193,7 @@ class Scene(AnswersGuesses, Section):
             raise SceneError(
                 f"{shown(text)} is not the text of a scene: write Scene.load(file) to read a file"
             )
-        try:
-            table = tables_of(text)
-        except tomllib.TOMLDecodeError as error:
-            # a key as in TOML, not as a tuple of Python
-            reason = re.sub(r"\('(\w+)',\)", r"[\1]", str(error))
-            raise SceneError(f"{name} is not TOML: {reason}{line_of(error, text)}") from error
-        except ValueError as error:
-            raise SceneError(f"{name}: {error}") from None
+        table = tables_of(text, name)
         # no file is read without a folder, or if the profile has none
         with suppress(KeyError, TypeError):
             profile = table["punch"]["profile"]

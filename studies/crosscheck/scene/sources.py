@@ -15,67 +15,71 @@ from ..progress import LOG
 
 # keys of a profile that say how its file is read
 FLAGS = ("center", "level")
+# folders of the bundled files, by what they hold
+BUNDLED = {"scene": "scenes", "sweep": "sweep/files"}
 
 
-def text_of(source: str | Path) -> str:
-    """Return the TOML text of a scene file, or of a bundled scene given by its name.
+def text_of(source: str | Path, kind: str = "scene") -> str:
+    """Return the text of a scene or sweep file, or of a bundled one given by its name.
 
     Raises
     ------
     SceneError
-        if there is no such file or scene, or if the file cannot be read
+        if there is no such file, or if it cannot be read
     """
+    path, names = Path(source), bundled(kind)
+    otherwise = f"give a {kind} file, or one of {', '.join(names)}"
     if not str(source).strip():
-        raise SceneError(f"no name of a scene: give a scene file, or one of {', '.join(bundled())}")
-    path = Path(source)
-    if not path.exists() and str(source) in bundled():
-        path = Path(str(files("ringwear.studies"))) / "scenes" / f"{source}.toml"
+        raise SceneError(f"no name of a {kind}: {otherwise}")
+    if not path.exists() and str(source) in names:
+        path = Path(str(files("ringwear.studies") / BUNDLED[kind] / f"{source}.toml"))
     try:
         refuse_device(path)
         return path.read_text("utf-8-sig")
     except UnicodeDecodeError:
-        raise SceneError(f"{source} is not a text file: a scene is TOML in UTF-8") from None
+        raise SceneError(f"{source} is not a text file: a {kind} is TOML in UTF-8") from None
     except ValueError as error:
-        raise SceneError(f"{error} that holds a scene") from None
+        raise SceneError(f"{error} that holds a {kind}") from None
     except OSError as error:
-        names = bundled()
-        otherwise = f"give a scene file, or one of {', '.join(names)}"
         hint = did_you_mean(source, () if path.is_dir() else names, otherwise, "")
         reason = str(error.strerror).lower()
+        for other in BUNDLED:
+            reason = f"it is a bundled {other}" if str(source) in bundled(other) else reason
         raise SceneError(f"{source}: {reason}; {hint.removeprefix(': ')}") from None
 
 
-def tables_of(text: str) -> TomlTable:
-    """Return the tables of a TOML text.
+def tables_of(text: str, name: str) -> TomlTable:
+    """Return the tables of a TOML text; `name` appears in messages.
 
     Raises
     ------
-    ValueError
-        if the text is not TOML, or if it has a value that no scene can have; a TOMLDecodeError has
-        the place in the text
+    SceneError
+        if the text is not TOML, or if it has a value that no scene can have
     """
     try:
         return tomllib.loads(text)
-    except tomllib.TOMLDecodeError:
-        raise
+    except tomllib.TOMLDecodeError as error:
+        # a key as in TOML, not as a tuple of Python
+        reason = re.sub(r"\('(\w+)',\)", r"[\1]", str(error))
+        place = re.search(r"at line (\d+)", reason)
+        line = text.splitlines()[int(place[1]) - 1].strip() if place else ""
+        location = f" in {shown(line)}" if line else ""
+        raise SceneError(
+            f"{name} is not TOML: {reason}{location}; give lines such as radius = 1.0, each key "
+            "once, texts in quotes"
+        ) from error
     # Python's limit on the digits of whole numbers
     except ValueError:
-        raise ValueError("a number has thousands of digits; give numbers such as 1e6") from None
+        raise SceneError(
+            f"{name}: a number has thousands of digits; give numbers such as 1e6"
+        ) from None
     except RecursionError:
-        raise ValueError(TOO_DEEP) from None
+        raise SceneError(f"{name}: {TOO_DEEP}") from None
 
 
-def line_of(error: tomllib.TOMLDecodeError, text: str) -> str:
-    """Return the line of an error in TOML text, and an example of correct lines."""
-    place = re.search(r"at line (\d+)", str(error))
-    line = text.splitlines()[int(place[1]) - 1].strip() if place else ""
-    location = f" in {shown(line)}" if line else ""
-    return f"{location}; give lines such as radius = 1.0, each key once, texts in quotes"
-
-
-def bundled() -> list[str]:
-    """Return the names of the scenes bundled with ringwear."""
-    names = (entry.name for entry in (files("ringwear.studies") / "scenes").iterdir())
+def bundled(kind: str = "scene") -> list[str]:
+    """Return the names of the scenes, or of the sweeps, that are bundled with ringwear."""
+    names = (entry.name for entry in (files("ringwear.studies") / BUNDLED[kind]).iterdir())
     return sorted(name.removesuffix(".toml") for name in names if name.endswith(".toml"))
 
 

@@ -13,13 +13,13 @@ from ringwear.studies.challenge.answers import (
 )
 from ringwear.studies.challenge.problems import (
     FOLDER,
-    layered_problems,
+    SCENE,
     problem_name,
     problem_named,
     problems,
 )
 
-LAYERED = layered_problems()
+LAYERED = [path for path in problems() if path.name == SCENE]
 OTHERS = FOLDER / "others"
 PROGRAMS = ("ContactMechanics", "Tamaas", "scikit-fem", "CalculiX")
 
