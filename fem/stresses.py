@@ -72,7 +72,7 @@ def _strains(
     The displacements have the shape (states, m, q, 2), the strains rr, zz, rz, hoop the shape (4,
     states, m, q).
     """
-    value, gradient = tables(solid.element, points)
+    value, gradient = tables(solid.element, np.arange(len(solid.element.doflocs)), points)
     mapping = solid.mesh.mapping()
     r, inverse = (
         mapping.F(points, elements)[0],

@@ -79,7 +79,7 @@ def stiffness(
     """
     order = 2 * degree + (1 if isinstance(mesh, MeshQuad) else 4)
     points, weights = get_quadrature(element, order)
-    value, gradient = (table[functions] for table in tables(element, points))
+    value, gradient = tables(element, functions, points)
     mapping = mesh.mapping()
     exact = derivative_mapping(mesh)
     r, inverse = mapping.F(points, elements)[0], exact.invDF(points, elements)
@@ -105,14 +105,16 @@ def stiffness(
     return out
 
 
-def tables(element: Element, points: Array) -> tuple[Array, Array]:
-    """Return the values (n, q) and reference gradients (n, 2, q) of an element's functions."""
-    return _tables(element, points.tobytes(), points.shape)
+def tables(element: Element, functions: Indices, points: Array) -> tuple[Array, Array]:
+    """Return the values (n, q) and reference gradients (n, 2, q) of functions of an element."""
+    return _tables(element, tuple(functions.tolist()), points.tobytes(), points.shape)
 
 
 @lru_cache(maxsize=64)
-def _tables(element: Element, content: bytes, shape: tuple[int, ...]) -> tuple[Array, Array]:
+def _tables(
+    element: Element, functions: tuple[int, ...], content: bytes, shape: tuple[int, ...]
+) -> tuple[Array, Array]:
     """Return the tables at points whose coordinates are given as bytes, which can be compared."""
     points = np.frombuffer(content).reshape(shape)
-    pairs = [element.lbasis(points, i) for i in range(len(element.doflocs))]
-    return np.array([value for value, _ in pairs]), np.array([gradient for _, gradient in pairs])
+    values, gradients = zip(*(element.lbasis(points, i) for i in functions), strict=True)
+    return np.array(values), np.array(gradients)

@@ -192,7 +192,7 @@ def _parts(name: str, values: Values, reference: Values, face: "Face") -> tuple[
     """Return the difference (T,) of even wear, and the rest (T, ...) of that of heights.
 
     Results of other programs are heights only; their even wear is then that of the reference times
-    the ratio of the mean heights.
+    the ratio of the mean heights from the first touch.
     """
     whole = values[name] - reference[name]
     even_wear = reference.get("even_wear", np.zeros(len(whole)))
@@ -205,7 +205,7 @@ def _parts(name: str, values: Values, reference: Values, face: "Face") -> tuple[
         return np.where(one_is_full, 0.0, even), rest
     weights = face.areas / face.areas.sum() if whole.ndim > 1 else np.ones(1)
     mean, mean_difference = (
-        each.reshape(len(each), -1) @ weights for each in (reference[name], whole)
+        each.reshape(len(each), -1) @ weights for each in (reference[name] - face.standoff, whole)
     )
     ratio = np.divide(mean_difference, mean, out=np.zeros_like(mean), where=even_wear > 0)
     proportional = even_wear * ratio

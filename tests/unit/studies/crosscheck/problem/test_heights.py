@@ -1,13 +1,15 @@
-"""Heights of every kind of profile, by formulas of their own.
+"""Heights of every kind of profile, by formulas of their own, and errors of heights.
 
 Anchors read the scale of heights a second time, but evaluate the same functions.
 """
 
 import numpy as np
 import pytest
+from natural import natural
 from scipy.interpolate import pchip_interpolate
 
 from ringwear.studies.crosscheck.problem.fields import KINDS, ProfileSection
+from ringwear.studies.crosscheck.problem.quantities import QUANTITIES
 
 RADIUS = 1.5
 POINTS = {"radii": [0.0, 0.3, 0.35, 1.0, 1.5], "heights": [0.1, 0.0, 0.2, 0.2, 0.7]}
@@ -57,3 +59,19 @@ def test_heights(kind):
     radii = np.linspace(0.0, RADIUS, 1001)
     heights = KINDS[kind](kind=kind, **keys).height_over(RADIUS)(radii)
     np.testing.assert_allclose(heights, formula(radii), atol=1e-9 * heights.max())
+
+
+@pytest.mark.parametrize("plane", [0.0, 3.0])
+@pytest.mark.parametrize("face", ["face", "sampled_face"])
+def test_errors_of_heights_count_from_the_first_touch(plane, face):
+    """An error of a tenth of each depth, wherever the plane of the face is.
+
+    Even wear of 5 and the rest of the depth, 2, have this error, too.
+    """
+    problem = natural({"wear_coefficient": 1.0, "recess": [plane]}).problem
+    face = problem.face if face == "face" else problem.sampled_face(np.linspace(0, 1, 9))
+    depth, even_wear = np.array([1.0, 2.0]), np.array([0.0, 5.0])
+    reference = {"indentation": plane + depth + even_wear, "depth": depth, "even_wear": even_wear}
+    theirs = {"indentation": plane + 1.1 * (depth + even_wear)}
+    errors = QUANTITIES["indentation"].difference(theirs, reference, face)
+    np.testing.assert_allclose(errors, 0.1, rtol=1e-12)
