@@ -46,6 +46,14 @@ def test_twice_the_load_differs_by_the_result_itself_at_the_start(folder):
     assert not comparison.interpolated
 
 
+def test_a_comparison_shows_and_saves_itself(folder, tmp_path):
+    comparison = compare(load(folder), load(folder))
+    for text in (repr(comparison), comparison._repr_html_()):
+        assert "A and B are equal in" in text
+        assert "steady_wear_rate" in text
+    assert {"answers.csv", "difference.png"} <= {*comparison.save(tmp_path / "saved")}
+
+
 def test_without_common_times_no_difference_is_drawn(folder, command, tmp_path):
     scene = Scene.load("rubber").changed(
         methods=["mdr"], wear__times=[2e3, 2e4], wear__steady=False

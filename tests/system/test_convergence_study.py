@@ -9,6 +9,7 @@ import skfem
 from groups import nightly
 
 from ringwear import Method, Scene, SceneError, SizeField, bisection, method, study
+from ringwear.meshes import as_half_space, structured
 
 EDGES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 PRESSURE_AT_HALF = """
@@ -85,6 +86,20 @@ def test_meshes_of_the_user_are_refined_beside_ours(sequence, tmp_path):
 def test_chosen_quantities_are_tabulated_and_drawn(sequence):
     results = study("convergence", "flat_punch", True, ["pressure"], meshes=sequence[:2])
     assert set(results.table["quantity"]) == {"pressure"}
+
+
+def test_elements_of_the_user_are_taken_on_meshes_of_the_user(sequence):
+    given = {"quantities": ["indentation"], "meshes": sequence[:2], "quick": True}
+    table = study("convergence", "flat_punch", elements=["P2", "ElementTriP2B"], **given).table
+    # a bubble inside of elements adds unknowns, which are eliminated there
+    assert table["way"].unique().tolist() == ["your meshes, TriP2", "your meshes, TriP2B"]
+    assert (table["error"].abs() < 0.02).all()
+    with pytest.raises(SceneError, match="--element QuadP: your meshes consist of triangles"):
+        study("convergence", "flat_punch", elements=[skfem.ElementQuadP(3)], **given)
+    quads = structured.below_nodes(np.linspace(0, 1, 5), 20.0)
+    mixed = [*sequence[:1], as_half_space(quads, np.array([0.0, 1.0]))]
+    with pytest.raises(SceneError, match="all triangles or all quadrilaterals"):
+        study("convergence", "flat_punch", True, meshes=mixed)
 
 
 @pytest.mark.slow

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from ringwear import Scene, SceneError, study
+from ringwear.studies.extremes import keys_of_scene
 
 
 def conduct(name, out):
@@ -119,6 +120,23 @@ def test_a_method_that_fails_is_a_row_with_the_reason(command):
     answer = pd.read_csv("out/answer.csv").set_index("way")
     assert "it fails for a reason" in answer["not solved: because"]["failing"]
     assert answer["within tolerance"]["MDR"] == "2 of 2"
+
+
+def test_keys_of_layers_are_varied_and_values_that_are_refused_are_rows():
+    varied = keys_of_scene(Scene.load("hard_film"), quick=True)
+    (least, greatest) = varied["half_space.layers.0.thickness"]
+    assert greatest == pytest.approx(900 * least, rel=1e-5)
+    table = study(
+        "extremes",
+        "flat_punch",
+        quick=True,
+        key="half_space.poisson_ratio",
+        values=[0.3, 0.7],
+        methods=["mdr"],
+    ).table
+    (row,) = table[table["case"] == "half_space.poisson_ratio = 0.7"].to_dict("records")
+    assert row["outcome"] == "refused"
+    assert "poisson_ratio = 0.7" in row["message"]
 
 
 def test_any_two_columns_are_drawn():

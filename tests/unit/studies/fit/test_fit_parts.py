@@ -18,6 +18,8 @@ from ringwear.studies.fit import residual_tests
 from ringwear.studies.fit.data import read_measurements
 from ringwear.studies.fit.parameters import find_parameters
 from ringwear.studies.fit.residual_tests import combined, small_differences
+from ringwear.studies.fit.result import Estimate
+from ringwear.studies.fit.words import _bounds
 
 SCENE = Scene(
     units="SI",
@@ -214,6 +216,23 @@ def test_an_unbounded_parameter_has_an_infinite_interval():
     assert np.isinf(high)
     # ends of wide intervals are located with a tolerance of 0.1 in the square root of the rise
     assert low == pytest.approx(-np.log(0.196), abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("low", "best", "high", "words"),
+    [
+        (-1.0, 0.0, 1.0, "it lies between 0.3679 and 2.718 (95 %)"),
+        (-1.0, 0.0, np.inf, "at least 0.3679 (97.5 %), and the data give no upper bound"),
+        (-np.inf, 0.0, 1.0, "at most 2.718 (97.5 %), and the data give no lower bound"),
+        (-np.inf, 0.0, np.inf, "the data allow every value"),
+        (1.0, 0.0, 2.0, "check the units of the data"),
+    ],
+)
+def test_bounds_of_what_is_not_identifiable_are_told(low, best, high, words):
+    estimate = Estimate(Parameter("k", "k", 1.0), best, low, high, 1.0, 0.0, True)
+    assert not estimate.identifiable
+    ends = (f"{end:.4g}" for end in estimate.ends)
+    assert words in _bounds(estimate, *ends)
 
 
 def test_combinations_without_effect_are_named_and_one_of_each_is_fixed():

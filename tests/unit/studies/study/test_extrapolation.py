@@ -109,6 +109,17 @@ def test_errors_and_values_of_a_table():
     assert found.asymptotic["depth"] == 1
 
 
+def test_orders_on_the_command_line(command, tmp_path):
+    NPARC.to_csv("grids.csv", index=False)
+    call = "orders grids.csv --by h --right recovery=0.9713 --tolerance {}"
+    assert "1.786" in command(f"{call.format(1e-2)} --out out --latex").out
+    row = pd.read_csv(tmp_path / "out" / "orders.csv").iloc[0]
+    assert (row.target, row.within) == (0.9713, "yes")
+    assert "recovery" in (tmp_path / "out" / "orders.tex").read_text()
+    assert "| no " in command(call.format(1e-6), 3).out
+    assert "give NAME=VALUE" in command("orders grids.csv --by h --right x", 2).err
+
+
 @pytest.mark.parametrize(
     ("table", "by", "message"),
     [

@@ -7,6 +7,7 @@ from ringwear import Scene, SceneError
 from ringwear.meshes import as_half_space, ring_areas, structured
 from ringwear.studies.check.sawtooth import find
 from ringwear.studies.study.own import ELEMENTS
+from ringwear.studies.wear_step import contact_nodes as contact_nodes_module
 from ringwear.studies.wear_step.contact_nodes import PER_NODE, TREATMENTS, contact_nodes, relief
 from ringwear.studies.wear_step.limits import (
     contacts_of,
@@ -84,6 +85,18 @@ def test_a_shaped_punch_has_limits_at_its_start_and_at_its_end():
     coarse = as_half_space(structured.below_nodes(np.linspace(0, 1, 5), 20.0), np.array([0.0, 1.0]))
     with pytest.raises(SceneError, match="nodes in the contact at the start"):
         limits_on_mesh(scene, coarse, "Q1")
+
+
+def test_limits_of_triangles_include_free_meshes_and_are_found_iteratively(monkeypatch):
+    """The longest step of a mesh of many nodes follows from the largest eigenvalue alone."""
+    limits = limits_of_size(FIVE, 0.1, "P1")
+    # three first rows, and a mesh by bisection
+    assert len(limits) == 4
+    exact = [each.limit() for each in limits]
+    monkeypatch.setattr(contact_nodes_module, "MOST_DENSE", 2)
+    np.testing.assert_allclose([each.limit() for each in limits], exact, rtol=1e-3)
+    with pytest.raises(SceneError, match="the mesh has quadrilaterals: give Q1, Q2 or Q2S"):
+        contact_nodes(structured.below_nodes(np.linspace(0, 1, 5), 20.0), "P1", FLAT.ground)
 
 
 def test_vertices_are_at_ring_edges():
