@@ -95,13 +95,22 @@ def _run(
     csv : write the results as CSV tables, too
     verbose : print everything: each ring, every difference, the cost, what is modelled and left out
     """
-    from .crosscheck import RUN_FILES, refuse_beyond_memory, write_numbers
+    from .crosscheck import (
+        RUN_FILES,
+        chosen_methods,
+        methods_of,
+        refuse,
+        refuse_beyond_memory,
+        write_numbers,
+    )
     from .study.own import load_methods
 
     memory, methods = given.pop("memory", None), load_methods(given.pop("methods", None))
     names = [entry for entry in methods if isinstance(entry, str)] or None
     read = Scene.of(scene, names, **given)
-    refuse_beyond_memory(read, limit=memory)
+    entries = methods_of(methods) if methods else chosen_methods(read)
+    refuse(read, entries)
+    refuse_beyond_memory(read, entries.values(), memory)
     pictures: tuple[Picture, ...] = ()
     if not no_figures:
         from .figures.catalogue import PICTURES
@@ -110,11 +119,11 @@ def _run(
     files = {*RUN_FILES, *(picture.file for picture in pictures)}
     # open the folder first, so that a folder that cannot be written to is refused before the work
     with output_folder(_out(out, scene), "run", files) as folder:
-        from .crosscheck import Account, run
+        from .crosscheck import Account, computed
         from .report.page import show
         from .report.printed import print_account
 
-        result = run(read, methods=methods or None, memory=memory)
+        result = computed(read, entries, in_two_processes=True)
         account = Account(result)
         page = not (no_figures or no_report)
         # print the answer before anything is written or drawn

@@ -125,6 +125,11 @@ from .result.output.folder import (
     output_folder as output_folder,
     refuse_foreign_folders as refuse_foreign_folders,
 )
+from .result.output.second_process import (
+    cores as cores,
+    done_apart as done_apart,
+    end_with_parent as end_with_parent,
+)
 from .result.output.signals import (
     STOPPED as STOPPED,
     ending_on_signals as ending_on_signals,
@@ -134,7 +139,6 @@ from .result.output.vtu import (
     write_half_space as write_half_space,
 )
 from .result.predictions import (
-    cores as cores,
     plan_run as plan_run,
     refuse_beyond_memory as refuse_beyond_memory,
     refuse_large as refuse_large,
@@ -245,9 +249,6 @@ from .wear.full_contact import (
 )
 from .wear.history import (
     History as History,
-)
-from .wear.time_scale import (
-    running_in as running_in,
 )
 from .wear.unilateral import (
     Load as Load,

@@ -1,4 +1,4 @@
-"""Figures of a fit: data and residuals, profiles of the likelihood, and the next measurement."""
+"""Figures of a fit: data and residuals, and profiles of the likelihood."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -88,10 +88,7 @@ def draw_fit(fit: "Fit") -> Figure:
 
 
 def draw_profiles(fit: "Fit") -> Figure:
-    """Draw the profiles of the likelihood, each with the parabola of its curvature.
-
-    They are drawn for parameters whose interval follows from the profile.
-    """
+    """Draw the profiles of the likelihood of parameters whose intervals follow from them."""
     numbers = sorted(fit.profiles.traces)
     columns = min(len(numbers), 4)
     rows = -(-len(numbers) // columns)
@@ -118,17 +115,6 @@ def draw_profiles(fit: "Fit") -> Figure:
             color="black",
             linewidth=1,
         )
-        place = fit.likelihood.free.index(number)
-        deviation = np.sqrt(fit.profiles.covariance[place, place])
-        parabola = ((dense - estimate.best) / deviation) ** 2
-        low = parabola <= MAX_RISE
-        axes.plot(
-            value_at(dense[low]),
-            parabola[low],
-            "--",
-            color="0.5",
-            linewidth=0.8,
-        )
         axes.axhline(fit.profiles.threshold, **FAINT)
         if estimate.parameter.logarithmic and np.ptp(coordinates[drawn]) > np.log(
             LOGARITHMIC_RATIO
@@ -146,7 +132,7 @@ def draw_profiles(fit: "Fit") -> Figure:
     for axes in panels[::columns]:
         axes.set_ylabel("rise of chi-square")
     figure.suptitle(
-        "profiles of the likelihood; dashed: by the curvature; dotted: threshold of the interval",
+        "profiles of the likelihood; dotted: threshold of the interval",
         fontsize=9,
     )
     return figure

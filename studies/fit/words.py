@@ -6,8 +6,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...meshes import Array, ring_areas
-from ..crosscheck import UnitNames, running_in
-from ..estimate.estimator import inverse_of_information
 from ..tables.headings import KINDS
 from .parameters import REACH, written
 from .residual_tests import LEVEL, combined
@@ -17,8 +15,6 @@ if TYPE_CHECKING:
 
 # least correlation of two parameters that is reported
 MIN_CORRELATION = 0.9
-# standard deviation of a logarithm above which data do not separate two parameters
-INSEPARABLE_DEVIATION = 0.5 * np.log(2.0)
 # greatest standard deviation of the harmonic mean, relative, with which it is reported
 MAX_DEVIATION_OF_MEAN = 0.25
 
@@ -26,10 +22,11 @@ MAX_DEVIATION_OF_MEAN = 0.25
 def conclusions_of_fit(fit: "Fit") -> tuple[str, ...]:
     """Return sentences on the estimates, on what the data do not determine, and on the model."""
     parts = _estimates, _combinations, _correlation, _quality
-    return tuple(line for part in parts for line in part(fit, fit.scene.unit_names))
+    return tuple(line for part in parts for line in part(fit))
 
 
-def _estimates(fit: "Fit", names: UnitNames) -> Iterator[str]:
+def _estimates(fit: "Fit") -> Iterator[str]:
+    names = fit.scene.unit_names
     undetermined = {number for combination in fit.combinations for number in combination}
     for number, each in enumerate(fit.found):
         name, parameter = each.parameter.name, each.parameter
@@ -65,7 +62,7 @@ def _bounds(each: "Estimate", low: str, high: str) -> str:
     return f"the data allow every value within a factor of {REACH:g} of the scene's"
 
 
-def _combinations(fit: "Fit", unit_names: UnitNames) -> Iterator[str]:
+def _combinations(fit: "Fit") -> Iterator[str]:
     for combination in fit.combinations:
         names = [fit.found[number].parameter.name for number in combination]
         if len(names) == 1:
@@ -75,14 +72,14 @@ def _combinations(fit: "Fit", unit_names: UnitNames) -> Iterator[str]:
         if {"sensor_offset", "machine_compliance"} <= set(names):
             advice = "; data under a force that varies would separate them"
         held = fit.found[combination[-1]]
-        value = written(held.parameter, held.value, unit_names)
+        value = written(held.parameter, held.value, fit.scene.unit_names)
         yield (
             f"{listed} cannot be separated by these data: only a combination of them is known. "
             f"{names[-1]} is held at {value}{advice}"
         )
 
 
-def _correlation(fit: "Fit", names: UnitNames) -> Iterator[str]:
+def _correlation(fit: "Fit") -> Iterator[str]:
     """Yield a sentence on the greatest correlation, and on the combination that is still known."""
     table = np.abs(np.triu(fit.correlations.to_numpy(), 1))
     if not table.size or table.max() < MIN_CORRELATION:
@@ -91,34 +88,7 @@ def _correlation(fit: "Fit", names: UnitNames) -> Iterator[str]:
     pair = [fit.correlations.index[number] for number in (first, second)]
     value = fit.correlations.iloc[int(first), int(second)]
     digits = f"{value:.2f}" if abs(value) < 0.995 else f"{value:.4f}"
-    line = f"{pair[0]} and {pair[1]} are hard to separate (correlation {digits})"
-    if reason := _inseparable_since(fit, int(first), int(second), names):
-        line += f": {reason}"
-    yield line + _harmonic(fit)
-
-
-def _inseparable_since(fit: "Fit", first: int, second: int, names: UnitNames) -> str:
-    """Return from which time on the data alone do not separate two parameters; empty if they do.
-
-    Parameters
-    ----------
-    first, second : indices among the free parameters
-    """
-    likelihood = fit.likelihood
-    slopes = likelihood.slopes(fit.best.x)
-    times = np.concatenate([each.times for each in fit.measurements])
-    for time in np.unique(times)[1:]:
-        later = slopes[times >= time]
-        if np.linalg.matrix_rank(later) < later.shape[1]:
-            return ""
-        deviations = np.sqrt(np.diag(inverse_of_information(later)))
-        if deviations[[first, second]].max() > INSEPARABLE_DEVIATION:
-            (slowest,) = running_in(fit.scene.problem, [1.0])
-            count = time / fit.scene.problem.units.time / slowest
-            relaxation = f" ({count:.2g} relaxation times)" if np.isfinite(count) else ""
-            when = names.write(time, "time", 2)
-            return f"the data from t = {when}{relaxation} on alone do not separate them"
-    return ""
+    yield f"{pair[0]} and {pair[1]} are hard to separate (correlation {digits}){_harmonic(fit)}"
 
 
 def _harmonic(fit: "Fit") -> str:
@@ -162,13 +132,13 @@ def _steady_weights(fit: "Fit", wear: list[int]) -> Array:
     return weights / weights.sum()
 
 
-def _quality(fit: "Fit", names: UnitNames) -> Iterator[str]:
+def _quality(fit: "Fit") -> Iterator[str]:
     for column in dict.fromkeys(each.column for each in fit.measurements):
         first = next(each for each in fit.measurements if each.column == column)
         if not first.noise_known:
             # the noise of a mass is that of its volume
             kind = KINDS["worn_volume" if first.quantity == "worn_volume" else column]
-            size = names.write(float(np.median(first.noise)), kind, 2)
+            size = fit.scene.unit_names.write(float(np.median(first.noise)), kind, 2)
             yield f"the noise of {column}, estimated from the residuals, is {size}"
     yield (
         f"chi-square is {fit.chi_square:.3g} for {fit.degrees_of_freedom} degrees of freedom "

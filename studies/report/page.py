@@ -1,15 +1,11 @@
 """Draw the figures of a run and write its page (report.html)."""
 
-import os
-import sys
-import threading
 from collections.abc import Sequence
 from functools import partial
-from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..crosscheck import INSIDE, LOG, STOPPED, Account, Result, cores, make, signals_wait
+from ..crosscheck import INSIDE, LOG, STOPPED, Account, Result, done_apart, make
 
 if TYPE_CHECKING:
     from ..figures.style import Picture
@@ -50,31 +46,11 @@ def _draw(result: Result, pictures: Sequence["Picture"], directory: Path) -> lis
     if not (result.has_inside and (pictures or series)):
         return draw(of_inside=False)
 
-    def draw_apart() -> None:
-        # a signal to both processes ends this one by the other
-        with signals_wait():
-            os._exit(len(draw(of_inside=False)))
+    def write(path: Path) -> None:
+        write_half_space(result.inside(), scene, path, series)
 
-    # a fork copies no other threads, and breaks the frameworks of macOS
-    forks = hasattr(os, "fork") and sys.platform != "darwin"
-    forks &= cores() > 1 and threading.active_count() == 1
-    process = get_context("fork" if forks else None).Process(target=draw_apart)
-    try:
-        if forks:
-            # a signal between the fork and its record would leave the process behind
-            with signals_wait():
-                process.start()
-        failures = make(
-            directory / INSIDE, lambda path: write_half_space(result.inside(), scene, path, series)
-        ) + draw(of_inside=True)
-        if forks:
-            process.join()
-        # what could not be drawn is tried again here, where the reason is returned
-        return failures + (draw(of_inside=False) if process.exitcode != 0 else [])
-    finally:
-        if process.pid:
-            process.kill()
-            process.join()
+    with done_apart(partial(draw, of_inside=False)) as drawn:
+        return make(directory / INSIDE, write) + draw(of_inside=True) + drawn()
 
 
 def write_report(

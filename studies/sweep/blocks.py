@@ -1,7 +1,6 @@
 """Compute the blocks of a sweep: here, in processes of this machine, or by another executor."""
 
 import logging
-import os
 import signal
 import sys
 import time
@@ -15,18 +14,17 @@ from concurrent.futures import (
     ProcessPoolExecutor,
     wait,
 )
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from importlib.util import find_spec
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
-from threading import Thread
 from types import ModuleType
 from typing import Any
 
 import xarray
 
 from ...meshes import Array, RingwearError, SceneError, SolverError
-from ..crosscheck import LOG, computed_with, signals_wait
+from ..crosscheck import LOG, computed_with, end_with_parent, signals_wait
 from .axes import Sweep
 from .compute import compute_block
 from .results import FAILED, unsolved
@@ -213,13 +211,7 @@ def _begin(watched: Connection) -> None:
     for name in ("SIGINT", "SIGHUP"):
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), signal.SIG_IGN)
-
-    def end_with_parent() -> None:
-        with suppress(OSError):
-            watched.poll(None)
-        os._exit(1)
-
-    Thread(target=end_with_parent, daemon=True).start()
+    end_with_parent(watched)
 
 
 @contextmanager

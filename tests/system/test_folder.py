@@ -145,6 +145,37 @@ def test_figures_that_a_second_process_loses_are_drawn_or_named_once(end, script
     assert figures == {f"{name}.png" for name in expected - lost}
 
 
+# a process without other threads, which may have a copy
+TWO_PROCESSES = """
+import os
+import ringwear, xarray
+from ringwear.studies.crosscheck import done_apart
+
+first = os.getpid()
+
+def fails_apart():
+    if os.getpid() != first:
+        raise ValueError
+    return first
+
+with done_apart(os.getpid) as apart, done_apart(os.getpid, wanted=False) as here:
+    assert apart() != first == here()
+with done_apart(fails_apart) as found:
+    assert found() == first
+assert ringwear.main(["run", "cone", "--rtol", "1e-2", "--no-figures", "--out", "out"]) != 2
+alone = ringwear.run("cone", rtol=1e-2).dataset
+xarray.testing.assert_equal(ringwear.load("out").dataset, alone)
+"""
+
+
+@pytest.mark.skipif(cores() == 1, reason="one core does all work in one process")
+def test_a_second_process_gives_the_results_of_one(script):
+    done = script(TWO_PROCESSES)
+    assert done.returncode == 0, done.stderr[-1000:]
+    # all methods report their progress
+    assert {"mdr", "direct", "fem"} <= {*done.stderr.split()}
+
+
 def test_any_title_can_be_drawn(command, tmp_path):
     """Titles are plain text, so they cannot fail as mathtext."""
     title = r"$\frac{1 \alpha_ and a long story " + 20 * "again and "

@@ -5,7 +5,6 @@ large, a march its steps times pressures^2, modes times times pressures^2. A met
 estimates are too large is solved again with finer sizes, which a prediction cannot know.
 """
 
-import os
 from collections.abc import Collection
 from pathlib import Path
 
@@ -52,12 +51,6 @@ def most_memory(needed: float) -> float:
     import psutil  # most runs need little memory
 
     return float(psutil.virtual_memory().total / GIB)
-
-
-def cores() -> int:
-    """Return the number of cores that this process may use."""
-    affinity = getattr(os, "sched_getaffinity", None)
-    return len(affinity(0)) if affinity else os.cpu_count() or 1
 
 
 def refuse_large(path: Path, size: float) -> None:

@@ -1,7 +1,8 @@
 """Run a scene: solve it by every method, estimate errors, and judge whether the methods agree."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import combinations
 
 from threadpoolctl import threadpool_limits
@@ -17,7 +18,8 @@ from ..scene.scene import Scene, Source
 from ..verdict.accuracy import solved_to_accuracy
 from ..verdict.agreement import agreements, unchecked
 from .judgement import Judged
-from .predictions import refuse_beyond_memory
+from .output.second_process import done_apart
+from .predictions import LEAST_MEMORY, memory_need, refuse_beyond_memory
 from .result import Result, methods_with_fields
 from .scope import chosen_methods, methods_of, refuse
 from .table import answers_of, tabulate
@@ -172,17 +174,34 @@ def run(
     return computed(scene, by_name)
 
 
-def computed(scene: Scene, methods: Mapping[str, Method]) -> Result:
-    """Solve a scene by methods that can solve it, and judge their results."""
-    problem = scene.problem
-    stages = {name: Stages(name) for name in methods}
+def computed(scene: Scene, methods: Mapping[str, Method], in_two_processes: bool = False) -> Result:
+    """Solve a scene by methods that can solve it, and judge their results.
+
+    Parameters
+    ----------
+    scene, methods : the scene, and the methods by name
+    in_two_processes : whether a second process may solve it by all methods but finite elements,
+        which take about as long as the others together
+    """
+
+    def solve(names: Iterable[str]) -> dict[str, tuple[Solution, Stages]]:
+        solved = {}
+        for name in names:
+            stages = Stages(name)
+            solution = solved_to_accuracy(methods[name], [scene.problem], stages)[0]
+            solved[name] = solution, stages
+        return solved
+
+    # methods of a user may have states; two processes need more memory
+    others = [name for name in methods if name != "fem" and name in METHODS]
+    two = in_two_processes and len(others) == len(methods) - 1
+    two &= sum(memory_need(scene, methods.values())) <= LEAST_MEMORY
     # one thread: the matrices are small, and threads of two linear algebra libraries would mostly
     # wait for each other
-    with threadpool_limits(1):
-        solutions = {
-            name: solved_to_accuracy(entry, [problem], stages[name])[0]
-            for name, entry in methods.items()
-        }
+    with threadpool_limits(1), done_apart(partial(solve, others), two) as solved:
+        rest = solve(name for name in methods if name not in others)
+        all_solved = solved() | rest
+    solutions, stages = ({name: all_solved[name][part] for name in methods} for part in (0, 1))
     return judged(scene, methods, solutions, stages)
 
 

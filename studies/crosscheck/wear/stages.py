@@ -59,6 +59,10 @@ class ContactStages:
             lambda dt: Contact(matrix + dt * dense, space.weights)
         )
 
+    def __reduce__(self) -> tuple[type["ContactStages"], tuple[WearingPunch]]:
+        """Leave out the stored contact problems when another process returns a solution."""
+        return ContactStages, (self.punch,)
+
     @cached_property
     def _slopes(self) -> csr_matrix:
         """(E, size) slopes of a function in each cell, times the root of its part of the width."""
