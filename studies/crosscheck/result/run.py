@@ -201,8 +201,8 @@ def computed(scene: Scene, methods: Mapping[str, Method], in_two_processes: bool
     with threadpool_limits(1), done_apart(partial(solve, others), two) as solved:
         rest = solve(name for name in methods if name not in others)
         all_solved = solved() | rest
-    solutions, stages = ({name: all_solved[name][part] for name in methods} for part in (0, 1))
-    return judged(scene, methods, solutions, stages)
+    solutions = {name: all_solved[name][0] for name in methods}
+    return judged(scene, methods, solutions, {name: all_solved[name][1] for name in methods})
 
 
 def judged(
