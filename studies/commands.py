@@ -95,22 +95,13 @@ def _run(
     csv : write the results as CSV tables, too
     verbose : print everything: each ring, every difference, the cost, what is modelled and left out
     """
-    from .crosscheck import (
-        RUN_FILES,
-        chosen_methods,
-        methods_of,
-        refuse,
-        refuse_beyond_memory,
-        write_numbers,
-    )
+    from .crosscheck import RUN_FILES, accepted_methods, write_numbers
     from .study.own import load_methods
 
     memory, methods = given.pop("memory", None), load_methods(given.pop("methods", None))
     names = [entry for entry in methods if isinstance(entry, str)] or None
     read = Scene.of(scene, names, **given)
-    entries = methods_of(methods) if methods else chosen_methods(read)
-    refuse(read, entries)
-    refuse_beyond_memory(read, entries.values(), memory)
+    entries = accepted_methods(read, methods, memory)
     pictures: tuple[Picture, ...] = ()
     if not no_figures:
         from .figures.catalogue import PICTURES
@@ -215,15 +206,7 @@ def _plan(scene: str, *, check: bool = False, **given: Any) -> Status:
     ----------
     check : also condense the finite elements, and report how stable their multipliers are
     """
-    from .crosscheck import (
-        beyond_the_model,
-        chosen_methods,
-        left_out,
-        modelled,
-        refuse,
-        refuse_beyond_memory,
-        time_scale,
-    )
+    from .crosscheck import accepted_methods, beyond_the_model, left_out, modelled, time_scale
     from .report.printed import print_scope
     from .wear_step.plan import plan
 
@@ -232,9 +215,7 @@ def _plan(scene: str, *, check: bool = False, **given: Any) -> Status:
     if given.keys() & {"size", "element", "mesh", "units"}:
         print_lines(["", read.title or "Untitled scene", "", *plan(read, **given)])
         return Status.DONE
-    methods = chosen_methods(read)
-    refuse(read, methods)
-    refuse_beyond_memory(read, methods.values(), given.get("memory"))
+    methods = accepted_methods(read, memory=given.get("memory"))
     warnings = [f"warning: {warning}" for warning in beyond_the_model(read)]
     print_lines(["", read.title or "Untitled scene", *time_scale(read), *warnings, ""])
     print_scope(modelled(read, methods), left_out(read, methods))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...meshes import Array
 from ..crosscheck import FIELDS, UnitNames
-from ..study.extrapolation import order_of_errors, richardson
+from ..study.extrapolation import order_of_errors, orders_between, richardson
 from .errors import ErrorAtTime
 
 # least order of errors of a mesh that converge
@@ -58,8 +58,7 @@ class Refinement:
     @property
     def orders(self) -> Array:
         """(n-1,) orders between neighbouring sizes; NaN at an error of zero."""
-        errors = np.where(self.errors > 0, self.errors, np.nan)
-        return np.diff(np.log(errors)) / np.diff(np.log(self.sizes))
+        return orders_between(self.sizes, np.where(self.errors > 0, self.errors, np.nan))
 
     @property
     def estimate(self) -> tuple[float, float]:

@@ -139,6 +139,7 @@ from .result.output.vtu import (
     write_half_space as write_half_space,
 )
 from .result.predictions import (
+    accepted_methods as accepted_methods,
     plan_run as plan_run,
     refuse_beyond_memory as refuse_beyond_memory,
     refuse_large as refuse_large,

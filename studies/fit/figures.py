@@ -158,8 +158,6 @@ def _scale_times(panels: tuple[Axes, ...], each: Measurement) -> None:
     """Set a logarithmic axis for times with a wide range, and else a linear one."""
     positive = each.times[each.times > 0]
     wide = len(positive) and positive.max() > LOGARITHMIC_RATIO * positive.min()
+    scaled = set_logarithmic if each.radii is None and wide else set_linear
     for axes in panels:
-        if each.radii is None and wide:
-            set_logarithmic(axes, "x")
-        else:
-            set_linear(axes, "x")
+        scaled(axes, "x")

@@ -256,11 +256,11 @@ def right_values(texts: Sequence[str]) -> Mapping[str, float] | float | None:
                 f"--right {text}: give NAME=VALUE, or one VALUE for all columns, such as 0 for "
                 "errors"
             ) from None
-    if "" in values and len(values) == 1:
-        return values[""]
-    if "" in values:
+    if "" not in values:
+        return values or None
+    if len(values) > 1:
         raise SceneError("--right: give NAME=VALUE for each column, or one VALUE for all")
-    return values or None
+    return values[""]
 
 
 def write(fitted: pd.DataFrame, folder: Path) -> None:

@@ -34,6 +34,21 @@ def test_at_most_one_of_12_punches_is_undecided():
     assert np.max([seconds for _, seconds in runs]) < MOST_SECONDS
 
 
+def test_the_greatest_change_between_two_long_steps_counts():
+    """The rate of the indentation changes its sign: anchors hold although no step ends there."""
+    result = run(random_punch(1008), methods=["mdr"])
+    remaining = [anchor for anchor in result.anchors if "remaining part" in anchor.name]
+    assert len(remaining) == 2
+    assert all(anchor.holds for anchor in result.anchors)
+
+
+def test_a_table_with_a_tip_at_the_axis_has_no_mean_slope():
+    """The average along the radius diverges; no warning about numbers is an error of this test."""
+    slopes = run(random_punch(2026), methods=["mdr"]).dataset.rms_slope
+    # all of the face is worn at the last time
+    assert np.isfinite(slopes.values[0]).tolist() == [False, False, False, False, True]
+
+
 @pytest.mark.slow
 @pytest.mark.gmsh
 def test_estimates_of_contact_radii_include_the_cell_at_the_edge():

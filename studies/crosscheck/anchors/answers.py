@@ -26,6 +26,8 @@ WEAR_AT_RADII = 1e-6
 TINY = np.finfo(float).tiny
 # relative step in time of the difference quotient that gives the decay rate of the running-in
 RELATIVE_TIME_STEP = 1e-3
+# number of times in each step at which the greatest change is sought
+POINTS_OF_STEP = 9
 # rank, from 0, of the pressure whose difference to the highest one estimates the latter's error
 PEAK_RADII = 8
 
@@ -120,7 +122,7 @@ def check_times_of_running_in(report: Reported) -> Rows:
     For a flat punch, the total change from the start to the steady state follows from the steady
     pressure, by direct integration. The method's own total change may differ from it by the errors
     that the method states for the start and for the steady state. For a shaped punch, the greatest
-    change is that of its steps.
+    change is that of its steps, and between them.
     """
     solution, fractions = report.solution, report.problem.remaining_parts
     # the verdict is undecided if such a number is missing
@@ -128,9 +130,10 @@ def check_times_of_running_in(report: Reported) -> Rows:
     if not reported:
         return
     if solution.evolution is not None:
-        remaining_at = solution.evolution.remaining
-        total_change = float(np.abs(remaining_at(solution.evolution.times)).max())
+        remaining_at, steps = solution.evolution.remaining, solution.evolution.times
         # the greatest change may lie between two steps
+        times = np.linspace(steps[:-1], steps[1:], POINTS_OF_STEP).ravel()
+        total_change = float(np.abs(remaining_at(times)).max())
         error = report.rtol * total_change
     elif solution.wear is not None and (report.fixed_indentation or report.has_steady_displacement):
         remaining_at = solution.wear.modes.remaining_change

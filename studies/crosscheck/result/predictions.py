@@ -5,7 +5,7 @@ large, a march its steps times pressures^2, modes times times pressures^2. A met
 estimates are too large is solved again with finer sizes, which a prediction cannot know.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from ....meshes.errors import SceneError
@@ -18,7 +18,7 @@ from ..scene.scene import Scene, Source
 from ..sizes.cells import cells_of, graded_to_worn_layers
 from ..sizes.radial import radial_sizes
 from ..wear.step_control import steps_between
-from .scope import chosen_methods, refusals
+from .scope import Methods, chosen_methods, methods_of, refusals, refuse
 
 GIB = 2.0**30
 # Memory that every machine has, in GiB.
@@ -180,6 +180,22 @@ def refuse_beyond_memory(
     """
     if reason := why_beyond_memory(scene, methods, limit, others):
         raise SceneError(reason)
+
+
+def accepted_methods(
+    scene: Scene, entries: Sequence[str | Method] = (), memory: float | None = None
+) -> Methods:
+    """Return methods that solve a scene, by their names: given ones, or those of the scene.
+
+    Raises
+    ------
+    SceneError
+        if one of them cannot, or if memory does not suffice
+    """
+    methods = methods_of(entries) if entries else chosen_methods(scene)
+    refuse(scene, methods)
+    refuse_beyond_memory(scene, methods.values(), memory)
+    return methods
 
 
 def _seconds_of_modes(problem: Problem, order: float) -> float:

@@ -19,9 +19,8 @@ from ..verdict.accuracy import solved_to_accuracy
 from ..verdict.agreement import agreements, unchecked
 from .judgement import Judged
 from .output.second_process import done_apart
-from .predictions import LEAST_MEMORY, memory_need, refuse_beyond_memory
+from .predictions import LEAST_MEMORY, accepted_methods, memory_need
 from .result import Result, methods_with_fields
-from .scope import chosen_methods, methods_of, refuse
 from .table import answers_of, tabulate
 
 
@@ -168,10 +167,7 @@ def run(
     named = all(isinstance(entry, str) for entry in entries)
     names = [str(entry) for entry in entries] if named and methods is not None else None
     scene = Scene.of(scene, names, rtol, quantities)
-    by_name = methods_of(entries) if entries else chosen_methods(scene)
-    refuse(scene, by_name)
-    refuse_beyond_memory(scene, by_name.values(), memory)
-    return computed(scene, by_name)
+    return computed(scene, accepted_methods(scene, entries, memory))
 
 
 def computed(scene: Scene, methods: Mapping[str, Method], in_two_processes: bool = False) -> Result:
@@ -193,9 +189,9 @@ def computed(scene: Scene, methods: Mapping[str, Method], in_two_processes: bool
         return solved
 
     # methods of a user may have states; two processes need more memory
-    others = [name for name in methods if name != "fem" and name in METHODS]
-    two = in_two_processes and len(others) == len(methods) - 1
-    two &= sum(memory_need(scene, methods.values())) <= LEAST_MEMORY
+    others = [name for name in methods if name in METHODS and name != "fem"]
+    two = in_two_processes and 0 < len(others) < len(methods)
+    two = two and sum(memory_need(scene, methods.values())) <= LEAST_MEMORY
     # one thread: the matrices are small, and threads of two linear algebra libraries would mostly
     # wait for each other
     with threadpool_limits(1), done_apart(partial(solve, others), two) as solved:

@@ -126,7 +126,8 @@ class WornFace:
             (slope_of @ functions.T).T for functions in (self.history.shape, self.displacement)
         )
         # of f' + w', with the slope w' of the worn depth, which is the same in all of a cell
-        squares = unworn.square + 2 * worn * unworn.slope + worn**2 * unworn.weight
+        with np.errstate(invalid="ignore"):  # an infinite slope where nothing is worn
+            squares = unworn.square + 2 * worn * unworn.slope + worn**2 * unworn.weight
         followed = displaced**2 * unworn.weight
         squares = np.where(self.follows_half_space, followed, squares)
         return np.maximum(squares.sum(axis=1), 0.0)
