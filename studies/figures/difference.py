@@ -165,8 +165,7 @@ def _draw_map(
     image = np.fmax.reduceat(field.relative, first_times, axis=0)
     rows = np.append(first_times, count) - 0.5
     values = np.ma.masked_invalid(np.maximum(image, limits[0]))
-    norm = LogNorm(*limits)
-    mesh = axes.pcolormesh(cell_edges(radii), rows, values, norm=norm, cmap="magma_r")
+    mesh = axes.pcolormesh(cell_edges(radii), rows, values, norm=LogNorm(*limits), cmap="magma_r")
     if contact_edges.shape[1] and len(contact_edges) == count:
         places = scale.shown("radius", contact_edges)
         places = np.where(places > _face(scale)[0], places, np.nan)
@@ -187,11 +186,10 @@ def _draw_map(
     return mesh
 
 
-def _face(scale: Scale) -> tuple[float, float]:
+def _face(scale: Scale) -> Array:
     """Return the inner and the outer radius of the face in the units of the axis."""
     edges = scale.problem.ring_edges[[0, -1]] * scale.problem.units.length
-    inner, outer = scale.shown("radius", edges)
-    return float(inner), float(outer)
+    return np.asarray(scale.shown("radius", edges))
 
 
 def _mark_rings(axes: Axes, scale: Scale) -> None:

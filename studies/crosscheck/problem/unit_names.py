@@ -321,10 +321,10 @@ class UnitNames:
             rounded = [float(f"{number:.3g}") for number in numbers]
             return bool((numbers <= 1000).all() and np.allclose(numbers, rounded, 1e-9, 0.0))
 
-        last, kind = self.readable(times[-1], "time"), self._meant("time")
+        last, choices = self.readable(times[-1], "time"), self._choices(self._meant("time"))
         if are_short(last[0], times[-1:]):
             return last
-        units = [(size / self.size(kind), name) for name, size in self._choices(kind).items()]
+        units = [(size / self.size("time"), name) for name, size in choices.items()]
         return next((unit for unit in reversed(units) if are_short(unit[0], times)), last)
 
     def write_together(self, values: Sequence[float], kind: str) -> list[str]:
