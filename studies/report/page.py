@@ -46,11 +46,11 @@ def _draw(result: Result, pictures: Sequence["Picture"], directory: Path) -> lis
     if not (result.has_inside and (pictures or series)):
         return draw(of_inside=False)
 
-    def write(path: Path) -> None:
-        write_half_space(result.inside(), scene, path, series)
-
     with done_apart(partial(draw, of_inside=False)) as drawn:
-        return make(directory / INSIDE, write) + draw(of_inside=True) + drawn()
+        failures = make(
+            directory / INSIDE, lambda path: write_half_space(result.inside(), scene, path, series)
+        )
+        return failures + draw(of_inside=True) + drawn()
 
 
 def write_report(

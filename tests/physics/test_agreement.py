@@ -1,5 +1,6 @@
 """Verdicts: methods agree on sensible scenes, and a wrong result is a disagreement."""
 
+import pickle
 from dataclasses import replace
 from pathlib import Path
 
@@ -45,6 +46,8 @@ def test_bundled_scenes_agree(name, mesher):
         scene = scene.changed(accuracy__rtol=1e-3)
     result = run(scene)
     assert result.verdict != "disagree"
+    # another process can return each of them
+    assert pickle.loads(pickle.dumps(result.solutions)).keys() == result.solutions.keys()
     if mesher == "quads":
         # fields of 32 rings may miss rtol because of cost, and a remark says so
         rows = undecided(result)
@@ -59,6 +62,7 @@ def test_bundled_scenes_agree(name, mesher):
 def test_bundled_scenes_of_any_punch_agree(name):
     result = run(Scene.load(name))
     assert result.verdict != "disagree"
+    assert pickle.loads(pickle.dumps(result.solutions)).keys() == result.solutions.keys()
     # fields at moving edges are accurate to one cell only and may be undecided
     decided = {"indentation", "normal_force"}
     if name == "duty_cycle":

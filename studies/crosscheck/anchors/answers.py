@@ -26,8 +26,8 @@ WEAR_AT_RADII = 1e-6
 TINY = np.finfo(float).tiny
 # relative step in time of the difference quotient that gives the decay rate of the running-in
 RELATIVE_TIME_STEP = 1e-3
-# part of each step in which the greatest change is sought
-PART_OF_STEP = 0.125
+# places in two steps, over their length, at which the greatest change is sought
+PARTS_OF_STEP = np.linspace(-1, 1, 17)
 # rank, from 0, of the pressure whose difference to the highest one estimates the latter's error
 PEAK_RADII = 8
 
@@ -132,7 +132,8 @@ def check_times_of_running_in(report: Reported) -> Rows:
     if solution.evolution is not None:
         remaining_at, steps = solution.evolution.remaining, solution.evolution.times
         # the greatest change may lie between two steps
-        times = np.interp(np.arange(0, len(steps), PART_OF_STEP), np.arange(len(steps)), steps)
+        row = np.abs(remaining_at(steps)).argmax()
+        times = np.interp(row + PARTS_OF_STEP, np.arange(len(steps)), steps)
         total_change = float(np.abs(remaining_at(times)).max())
         error = report.rtol * total_change
     elif solution.wear is not None and (report.fixed_indentation or report.has_steady_displacement):

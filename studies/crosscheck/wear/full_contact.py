@@ -152,11 +152,12 @@ class RunningIn:
         """Return pressures (..., size) from wear rates in orthonormal coordinates (..., n)."""
         return self._mass.backward(rates.T).T @ self._rates_to_pressures.T
 
-    @cached_property
+    @property
     def _continuous_mass(self) -> SuperLU:
         """Triangular factors of the mass matrix of continuous profiles against pressures, (n, n).
 
-        The pressures are those whose product with the wear coefficient is continuous.
+        The pressures are those whose product with the wear coefficient is continuous. The factors
+        are made anew each time: they take little, and cannot be passed to another process.
         """
         space = self.compliance.space
         mass = self._rates_to_pressures.T @ space.mass() @ self._rates_to_profiles

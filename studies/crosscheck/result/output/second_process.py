@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from multiprocessing import Pipe, get_context
 from multiprocessing.connection import Connection
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from .signals import signals_wait
 
@@ -57,12 +57,11 @@ def done_apart(work: Callable[[], Result], wanted: bool = True) -> Iterator[Call
             finally:
                 os._exit(0)
 
-    def result() -> Result:
+    def result() -> Any:
         try:
-            received: Result = ours.recv()
+            return ours.recv()
         except EOFError:
             return work()
-        return received
 
     process = get_context("fork").Process(target=send)
     try:
