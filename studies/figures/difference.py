@@ -162,9 +162,9 @@ def _draw_map(
     """
     radii, count = scale.shown("radius", field.radii), len(field.times)
     first_times = np.unique(np.linspace(0, count, ROWS, endpoint=False).astype(int))
-    image = np.fmax.reduceat(field.relative, first_times, axis=0)
+    greatest = np.fmax.reduceat(field.relative, first_times, axis=0)
     rows = np.append(first_times, count) - 0.5
-    values = np.ma.masked_invalid(np.maximum(image, limits[0]))
+    values = np.ma.masked_invalid(np.maximum(greatest, limits[0]))
     mesh = axes.pcolormesh(cell_edges(radii), rows, values, norm=LogNorm(*limits), cmap="magma_r")
     if contact_edges.shape[1] and len(contact_edges) == count:
         places = scale.shown("radius", contact_edges)

@@ -131,10 +131,7 @@ def draw_profiles(fit: "Fit") -> Figure:
         set_linear(axes, "y")
     for axes in panels[::columns]:
         axes.set_ylabel("rise of chi-square")
-    figure.suptitle(
-        "profiles of the likelihood; dotted: threshold of the interval",
-        fontsize=9,
-    )
+    figure.suptitle("profiles of the likelihood; dotted: threshold of the interval", fontsize=9)
     return figure
 
 

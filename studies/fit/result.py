@@ -170,6 +170,7 @@ class Fit(AnswersGuesses):
             lambda values: likelihood.residuals(coordinates(values)),
             known,
             scale_covar=False,
+            Dfun=lambda values: -likelihood.slopes(coordinates(values)),
         )
         shown = known
         if likelihood.free:

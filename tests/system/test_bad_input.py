@@ -141,6 +141,7 @@ COMMANDS = [
     ("run five_rings --rtol 1e-3x", "give a number, such as 1e-4"),
     ("run ''", "give a scene file"),
     ("run there", "is a directory; give a scene file"),
+    ("run running_in", "running_in: it is a bundled sweep; did you mean"),
     ("run bytes", "a scene is TOML in UTF-8"),
     ("check five_rings none.csv --within -1", "give a positive number"),
     ("sweep nofile", "nofile: no such file or directory; give a sweep file"),

@@ -68,6 +68,13 @@ def test_the_result_displays_itself_in_print_and_in_a_notebook(measured, tmp_pat
     assert "report.html" in result.save(tmp_path / "saved")
 
 
+def test_the_report_has_the_correlations_of_the_fit(reference):
+    data = pd.DataFrame(reference["states"])[["time", "indentation"]]
+    result = ringwear.fit("five_rings", data, "punch.wear_coefficients", noise=1e-3)
+    (shown,) = [line for line in result.report().splitlines() if line.strip().startswith("C(")]
+    assert float(shown.partition("=")[2]) == pytest.approx(result.correlations.iloc[0, 1], abs=1e-4)
+
+
 def test_the_report_has_the_standard_error_of_linear_regression():
     """Worn volumes are proportional to k, so that k and its errors are those of a weighted mean."""
     times = np.array([1e3, 2e3, 4e3, 7e3, 9e3])

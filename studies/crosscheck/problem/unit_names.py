@@ -331,16 +331,14 @@ class UnitNames:
         """Return values of one kind as texts, all in one readable unit."""
         if len(values) == 1:
             return [self.write(values[0], kind)]
-        unit, name = self.readable_together(values, kind)
-        return [_written(value, unit, name, 4) for value in values]
+        readable = self.readable_together(values, kind)
+        return [_written(value, *readable, 4) for value in values]
 
     def write(self, value: float, kind: str, digits: int = 4) -> str:
         """Return a value with a readable unit, as text."""
-        if self._meant(kind) == "time":
-            unit, name = self.unit_of_times([value])
-        else:
-            unit, name = self.readable(value, kind)
-        return _written(value, unit, name, digits)
+        is_time = self._meant(kind) == "time"
+        readable = self.unit_of_times([value]) if is_time else self.readable(value, kind)
+        return _written(value, *readable, digits)
 
 
 def _written(value: float, unit: float, name: str, digits: int) -> str:

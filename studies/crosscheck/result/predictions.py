@@ -38,10 +38,7 @@ NUMBERS_OF_LISTS = 200.0
 # from this alone: a space with so many takes seconds to make.
 LEAST_PRESSURES, MANY_PRESSURES = 2, 20_000
 # What to give for results without fields over time, in a run and in a check.
-WITHOUT_FIELDS = (
-    "output.quantities without fields over time, as in ['history', 'steady'], and tables without "
-    "fields"
-)
+WITHOUT_FIELDS = "output.quantities as in ['history', 'steady'], and tables without fields"
 
 
 def most_memory(needed: float) -> float:

@@ -44,7 +44,8 @@ def text_of(source: str | Path, kind: str = "scene") -> str:
         hint = did_you_mean(source, () if path.is_dir() else names, otherwise, "")
         reason = str(error.strerror).lower()
         for other in BUNDLED:
-            reason = f"it is a bundled {other}" if str(source) in bundled(other) else reason
+            if other != kind and str(source) in bundled(other):
+                reason = f"it is a bundled {other}"
         raise SceneError(f"{source}: {reason}; {hint.removeprefix(': ')}") from None
 
 

@@ -59,7 +59,7 @@ class ContactStages:
             lambda dt: Contact(matrix + dt * dense, space.weights)
         )
 
-    def __reduce__(self) -> tuple[type["ContactStages"], tuple[WearingPunch]]:
+    def __reduce__(self) -> tuple[object, ...]:
         """Leave out the stored contact problems when another process returns a solution."""
         return ContactStages, (self.punch,)
 

@@ -128,8 +128,7 @@ class WornFace:
         # of f' + w', with the slope w' of the worn depth, which is the same in all of a cell
         with np.errstate(invalid="ignore"):  # an infinite slope where nothing is worn
             squares = unworn.square + 2 * worn * unworn.slope + worn**2 * unworn.weight
-        followed = displaced**2 * unworn.weight
-        squares = np.where(self.follows_half_space, followed, squares)
+        squares = np.where(self.follows_half_space, displaced**2 * unworn.weight, squares)
         return np.maximum(squares.sum(axis=1), 0.0)
 
     def displacements(self, at_radii: csr_matrix, radii: Array, carries: Mask) -> Array:

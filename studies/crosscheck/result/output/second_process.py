@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 from .signals import signals_wait
 
-Result = TypeVar("Result")
+Value = TypeVar("Value")
 
 
 def cores() -> int:
@@ -32,12 +32,12 @@ def end_with_parent(watched: Connection) -> None:
 
 
 @contextmanager
-def done_apart(work: Callable[[], Result], wanted: bool = True) -> Iterator[Callable[[], Result]]:
-    """Do work in a copy of this process, beside that of the `with` block.
+def done_apart(work: Callable[[], Value], wanted: bool = True) -> Iterator[Callable[[], Value]]:
+    """Run some work in a copy of this process, beside that of the `with` block.
 
     It yields a function that returns the result, which has to be picklable. If a copy is not
-    wanted or not possible, the work is done first; if the work fails in the copy, it is done again
-    when the result is asked for, so that its errors are raised here.
+    wanted or not possible, the work is done first; if the work fails in the copy, or the copy is
+    lost, it is done again when the result is asked for, so that its errors are raised here.
     """
     # a fork copies no other threads, and breaks the frameworks of macOS
     forks = hasattr(os, "fork") and sys.platform != "darwin"
@@ -60,7 +60,8 @@ def done_apart(work: Callable[[], Result], wanted: bool = True) -> Iterator[Call
     def result() -> Any:
         try:
             return ours.recv()
-        except EOFError:
+        # nothing, or a part of the result
+        except (EOFError, OSError):
             return work()
 
     process = get_context("fork").Process(target=send)
