@@ -9,6 +9,7 @@ loaded, otherwise SuperLU (from scipy).
 import importlib.util
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -79,61 +80,85 @@ def cholmod_matrix(lower: coo_matrix) -> "spmatrix":
     return kvxopt.spmatrix(kvxopt.matrix(lower.data), rows, columns, lower.shape)
 
 
-def trailing_factor(lower: coo_matrix, eliminated: int) -> Array:
-    """Return the Cholesky factor of the Schur complement that remains after an elimination.
+class Factor:
+    """The Cholesky factor of a symmetric positive definite matrix.
 
-    The factor is lower triangular (k, k), where k is the number of unknowns that remain when the
-    first `eliminated` unknowns are eliminated.
-
-    Parameters
-    ----------
-    lower : lower triangle of a symmetric positive definite matrix, whose duplicate entries are
-        summed; the unknowns to eliminate come first, in the order of elimination
-    eliminated : number of unknowns to eliminate
-
-    Raises
-    ------
-    SolverError
-        if the matrix is not positive definite
-    """
-    with _factorising():
-        if solver() != "cholmod":
-            factor, pivots = _superlu(lower)
-            # For a symmetric matrix U = D L^T, so that the Cholesky factor is L with its columns
-            # scaled by sqrt(D). No matrix product is needed.
-            trailing = factor.L[eliminated:, eliminated:].toarray()
-            return trailing * np.sqrt(pivots[eliminated:])
-        import kvxopt
-        from kvxopt import cholmod
-
-        trailing = cholmod.getfactor(_cholmod(lower))[eliminated:, eliminated:]
-        # without a copy, which takes seconds for a large matrix
-        return np.asarray(kvxopt.matrix(trailing))
-
-
-def solve(lower: coo_matrix, right: Array) -> Array:
-    """Return the solutions (n, k) of a symmetric positive definite system.
+    Its methods raise a `SolverError` if the matrix is not positive definite.
 
     Parameters
     ----------
     lower : lower triangle (n, n) of the matrix, whose duplicate entries are summed; the unknowns
         are in the order of elimination
-    right : (n, k) right-hand sides
-
-    Raises
-    ------
-    SolverError
-        if the matrix is not positive definite
     """
-    with _factorising():
-        if solver() != "cholmod":
-            return _superlu(lower)[0].solve(right)
+
+    def __init__(self, lower: coo_matrix) -> None:
+        self.lower = lower
+
+    def trailing(self, eliminated: int) -> Array:
+        """Return the factor of the Schur complement that remains after an elimination.
+
+        It is lower triangular (k, k), where k is the number of unknowns that remain when the first
+        `eliminated` unknowns are eliminated.
+        """
+        with _factorising():
+            if solver() != "cholmod":
+                factor, pivots = self._superlu
+                # For a symmetric matrix U = D L^T, so that the Cholesky factor is L with its
+                # columns scaled by sqrt(D). No matrix product is needed.
+                trailing = factor.L[eliminated:, eliminated:].toarray()
+                return trailing * np.sqrt(pivots[eliminated:])
+            import kvxopt
+            from kvxopt import cholmod
+
+            trailing = cholmod.getfactor(self._cholmod())[eliminated:, eliminated:]
+            # without a copy, which takes seconds for a large matrix
+            return np.asarray(kvxopt.matrix(trailing))
+
+    def solve(self, right: Array) -> Array:
+        """Return the solutions (n, k) of the system for right-hand sides (n, k)."""
+        with _factorising():
+            if solver() != "cholmod":
+                return self._superlu[0].solve(right)
+            import kvxopt
+            from kvxopt import cholmod
+
+            solution = kvxopt.matrix(right)
+            cholmod.solve(self._cholmod(), solution)
+            return np.array(solution)
+
+    @cached_property
+    def _superlu(self) -> tuple[SuperLU, Array]:
+        """SuperLU's factor, and its pivots."""
+        factor = splu(symmetric(self.lower), permc_spec="NATURAL", **SYMMETRIC)
+        pivoted = np.any(np.array([factor.perm_r, factor.perm_c]) != np.arange(len(factor.perm_r)))
+        pivots = factor.U.diagonal()
+        if pivoted or not (pivots > 0).all():
+            raise ArithmeticError("it is not positive definite")
+        return factor, pivots
+
+    @cached_property
+    def _matrix(self) -> "spmatrix":
+        return cholmod_matrix(self.lower)
+
+    def _cholmod(self) -> Any:
+        """Return CHOLMOD's factor, which is lost when its numbers are read."""
         import kvxopt
         from kvxopt import cholmod
 
-        solution = kvxopt.matrix(right)
-        cholmod.solve(_cholmod(lower), solution)
-        return np.array(solution)
+        saved_options = dict(cholmod.options)
+        # the unknowns are already in the order of elimination, which CHOLMOD must not change
+        cholmod.options.update({"supernodal": 2, "postorder": False, "nmethods": 1})
+        try:
+            order = kvxopt.matrix(np.arange(self.lower.shape[0]))
+            factor = cholmod.symbolic(self._matrix, p=order)
+            cholmod.numeric(self._matrix, factor)
+            # CHOLMOD stops without an error at a pivot that is not positive
+            if not (np.array(cholmod.diag(factor)) > 0).all():
+                raise ArithmeticError("it is not positive definite")
+        finally:
+            cholmod.options.clear()
+            cholmod.options.update(saved_options)
+        return factor
 
 
 @contextmanager
@@ -145,34 +170,3 @@ def _factorising() -> Iterator[None]:
         raise SolverError(
             f"the stiffness of the half-space could not be factorised: {error}"
         ) from error
-
-
-def _cholmod(lower: coo_matrix) -> Any:
-    """Return CHOLMOD's factor of a matrix whose unknowns are in the order of elimination."""
-    import kvxopt
-    from kvxopt import cholmod
-
-    matrix = cholmod_matrix(lower)
-    saved_options = dict(cholmod.options)
-    # the unknowns are already in the order of elimination, which CHOLMOD must not change
-    cholmod.options.update({"supernodal": 2, "postorder": False, "nmethods": 1})
-    try:
-        factor = cholmod.symbolic(matrix, p=kvxopt.matrix(np.arange(lower.shape[0])))
-        cholmod.numeric(matrix, factor)
-        # CHOLMOD stops without an error at a pivot that is not positive
-        if not (np.array(cholmod.diag(factor)) > 0).all():
-            raise ArithmeticError("it is not positive definite")
-    finally:
-        cholmod.options.clear()
-        cholmod.options.update(saved_options)
-    return factor
-
-
-def _superlu(lower: coo_matrix) -> tuple[SuperLU, Array]:
-    """Return SuperLU's factor of a matrix in the order of elimination, and its pivots."""
-    factor = splu(symmetric(lower), permc_spec="NATURAL", **SYMMETRIC)
-    pivoted = np.any(np.array([factor.perm_r, factor.perm_c]) != np.arange(lower.shape[0]))
-    pivots = factor.U.diagonal()
-    if pivoted or not (pivots > 0).all():
-        raise ArithmeticError("it is not positive definite")
-    return factor, pivots

@@ -32,7 +32,7 @@ from ..meshes.half_space import (
 )
 from ..meshes.pressure_space import PressureSpace
 from ..meshes.radial import Array, Indices, gauss, layer_degrees
-from .condensation import fill_reducing_order, solve, trailing_factor
+from .condensation import Factor, fill_reducing_order
 from .elasticity import AxisymmetricElasticity
 from .far_field import exterior_stiffness, poles
 from .stability import least_ratio, refuse_singular
@@ -105,6 +105,10 @@ class HalfSpace:
     solid: AxisymmetricElasticity
     space: PressureSpace
     poles: tuple[int, ...]
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Leave out stored matrices when another process returns a solution."""
+        return HalfSpace, (replace(self.solid), self.space, self.poles)
 
     @property
     def unknowns(self) -> int:
@@ -208,6 +212,10 @@ class HalfSpace:
         return bmat([[free, None], [edge, end]], format="coo")
 
     @cached_property
+    def _factor(self) -> Factor:
+        return Factor(self.lower_triangle)
+
+    @cached_property
     def _on_contact(self) -> tuple[csr_matrix, csr_matrix, Array]:
         """Displacement and pressure functions at Gauss points of the contact, and the areas.
 
@@ -251,9 +259,9 @@ class HalfSpace:
         SolverError
             if the stiffness of the half-space is singular
         """
-        loads, lower = self.coupling @ pressures.T, self.lower_triangle
-        right = np.pad(loads, ((lower.shape[0] - len(loads), 0), (0, 0)))
-        solution = solve(lower, right)
+        loads = self.coupling @ pressures.T
+        right = np.pad(loads, ((self.lower_triangle.shape[0] - len(loads), 0), (0, 0)))
+        solution = self._factor.solve(right)
         free = len(self._order)
         displacement = self._far_fields @ solution[free:]
         displacement[self._order] = solution[:free]
@@ -271,8 +279,9 @@ class HalfSpace:
         SolverError
             if the stiffness of the half-space is singular
         """
-        lower, count = self.lower_triangle, len(self.solid.boundary("contact"))
-        factor = trailing_factor(lower, lower.shape[0] - count - len(self.poles))
+        count = len(self.solid.boundary("contact"))
+        eliminated = self.lower_triangle.shape[0] - count - len(self.poles)
+        factor = self._factor.trailing(eliminated)
         matrix = factor @ factor.T
         nodes, to_poles = matrix[:count, :count], matrix[:count, count:]
         if not self.poles:
@@ -343,9 +352,7 @@ class HalfSpace:
         The factor on a subspace of the pressures is this factor times the basis of the subspace. A
         subspace may be stable although the full space is not.
         """
-        stiffness = trailing_factor(
-            self.lower_triangle, self.lower_triangle.shape[0] - len(self.coupling)
-        )
+        stiffness = self._factor.trailing(self.lower_triangle.shape[0] - len(self.coupling))
         factor = self.coupling.copy()
         # Rows and columns are ordered along the radius. The coupling of a pressure with contact
         # nodes closer to the axis is zero, and so are these rows of the solution.

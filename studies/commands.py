@@ -34,7 +34,7 @@ from .status import Status
 from .tables.writing import INTERRUPTED
 
 if TYPE_CHECKING:
-    from .figures.style import Picture
+    from .figures.catalogue import Picture
 
 
 def conduct(command: str, options: dict[str, Any], usage: str, only: bool) -> Status:
@@ -95,7 +95,7 @@ def _run(
     csv : write the results as CSV tables, too
     verbose : print everything: each ring, every difference, the cost, what is modelled and left out
     """
-    from .crosscheck import RUN_FILES, accepted_methods, write_numbers
+    from .crosscheck import RUN_FILES, accepted_methods, copies, fit_into_memory, write_numbers
     from .study.own import load_methods
 
     memory, methods = given.pop("memory", None), load_methods(given.pop("methods", None))
@@ -109,12 +109,25 @@ def _run(
         pictures = PICTURES
     files = {*RUN_FILES, *(picture.file for picture in pictures)}
     # open the folder first, so that a folder that cannot be written to is refused before the work
-    with output_folder(_out(out, scene), "run", files) as folder:
-        from .crosscheck import Account, computed
+    with (
+        output_folder(_out(out, scene), "run", files) as folder,
+        copies(fit_into_memory(read, entries.values(), memory)) as apart,
+    ):
+        from .crosscheck import Account, begun
+
+        complete = begun(read, entries, apart, with_inside=bool(pictures))
         from .report.page import show
         from .report.printed import print_account
 
-        result = computed(read, entries, in_two_processes=True)
+        if pictures:
+            # load matplotlib while a copy of this process solves by finite elements, without the
+            # tables in its docstrings, which take a third of the time
+            import matplotlib.artist
+
+            matplotlib.artist.kwdoc = lambda artist: ""  # noqa: ARG005
+            from .figures import states  # noqa: F401
+
+        result = complete()
         account = Account(result)
         page = not (no_figures or no_report)
         # print the answer before anything is written or drawn

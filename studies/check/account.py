@@ -11,7 +11,7 @@ from .errors import QuantityError, quantity_errors
 from .other_program import ASK_FOR_ROWS, ROWS
 
 if TYPE_CHECKING:
-    from ..figures.style import Picture
+    from ..figures.catalogue import Picture
     from .check import Check
 
 

@@ -28,8 +28,8 @@ from ..crosscheck import (
     Solution,
     Source,
     Stages,
+    begun,
     chosen_methods,
-    computed,
     listed,
     methods_of,
     naming_arguments,
@@ -60,7 +60,7 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-    from ..figures.style import Picture
+    from ..figures.catalogue import Picture
     from .account import CheckAccount
 
 # Copies of the fields of another program that are in memory at once, with their differences to
@@ -166,7 +166,7 @@ def check(
     others = {name: OtherProgram.from_table(name, table, scene) for name, table in tables.items()}
     methods_of([*others.values()])  # refuses names that are more than one line
     decks = {name: reach_of_deck(programs.get(name), scene) for name in tables}
-    return Check(computed(scene, ours), others, within, sizes, decks, element)
+    return Check(begun(scene, ours)(), others, within, sizes, decks, element)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -438,7 +438,7 @@ class Check(AnswersGuesses):
         SceneError
             if there is no such figure; the message lists the available ones
         """
-        from ..figures.style import picture_of
+        from ..figures.catalogue import picture_of
 
         return picture_of(self.pictures, kind).figure(self.together)
 

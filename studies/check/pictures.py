@@ -6,8 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from ..figures.catalogue import PICTURES
-from ..figures.style import Picture
+from ..figures.catalogue import PICTURES, Picture
 from ..study.draw import draw, titled
 from .account import REFINEMENT, shows_others
 from .refinement import order_in_words

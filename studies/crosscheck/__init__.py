@@ -17,8 +17,8 @@ A scene, and its result
     compute a scene by its methods; predict sizes and cost of that
 `Result`, `load`
     the result of a run, and reading it from the folder that it was saved to
-`computed`, `judged`
-    the result of methods that can solve a scene, and of solutions
+`begun`, `judged`
+    solve a scene by methods that can; the result of solutions
 
 Quantities, and differences of results
 --------------------------------------

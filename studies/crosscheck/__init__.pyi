@@ -1,3 +1,8 @@
+from .copies import (
+    copies as copies,
+    cores as cores,
+    end_with_parent as end_with_parent,
+)
 from .methods.base import (
     Discretised as Discretised,
     Method as Method,
@@ -125,21 +130,12 @@ from .result.output.folder import (
     output_folder as output_folder,
     refuse_foreign_folders as refuse_foreign_folders,
 )
-from .result.output.second_process import (
-    cores as cores,
-    done_apart as done_apart,
-    end_with_parent as end_with_parent,
-)
-from .result.output.signals import (
-    STOPPED as STOPPED,
-    ending_on_signals as ending_on_signals,
-    signals_wait as signals_wait,
-)
 from .result.output.vtu import (
     write_half_space as write_half_space,
 )
 from .result.predictions import (
     accepted_methods as accepted_methods,
+    fit_into_memory as fit_into_memory,
     plan_run as plan_run,
     refuse_beyond_memory as refuse_beyond_memory,
     refuse_large as refuse_large,
@@ -149,7 +145,7 @@ from .result.result import (
     Result as Result,
 )
 from .result.run import (
-    computed as computed,
+    begun as begun,
     judged as judged,
     run as run,
     with_others as with_others,
@@ -197,6 +193,11 @@ from .scene.sources import (
     profile_of_file as profile_of_file,
     tables_of as tables_of,
     text_of as text_of,
+)
+from .signals import (
+    STOPPED as STOPPED,
+    ending_on_signals as ending_on_signals,
+    signals_wait as signals_wait,
 )
 from .sizes.finite_elements import (
     fem_sizes as fem_sizes,

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager
 from io import BytesIO
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from matplotlib import rc_context
@@ -17,8 +17,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, NullLocator
 
-from ...meshes import Array, SceneError
-from ..crosscheck import METHODS, did_you_mean, shown
+from ...meshes import Array
+from ..crosscheck import METHODS
 from .ticks import STEPS, Decades, power_of_ten, tick_label
 
 Look: TypeAlias = dict[str, Any]
@@ -90,64 +90,6 @@ def save(path: Path, draw: Callable[..., Figure], *arguments: Any) -> None:
     with in_style():
         # a higher compression level takes longer, and files are hardly smaller
         draw(*arguments).savefig(path, pil_kwargs={"compress_level": 3})
-
-
-class Picture(NamedTuple):
-    """A figure of a run.
-
-    Parameters
-    ----------
-    file : str
-        Name of the file in the folder of results.
-    caption : str
-        Caption on the page.
-    draw : Result -> Figure
-        Function that draws the figure.
-    drawn_for : Result -> bool
-        Function that returns whether a result has the data of the figure.
-    quantities : tuple of str
-        Quantities that the figure shows by every method and by every other program.
-    of_inside : bool
-        Whether it shows the inside of the half-space.
-    """
-
-    file: str
-    caption: str
-    draw: Callable[[Any], Figure]
-    drawn_for: Callable[[Any], bool]
-    quantities: tuple[str, ...] = ()
-    of_inside: bool = False
-
-    @property
-    def name(self) -> str:
-        """Name of the figure: that of its file without the ending."""
-        return Path(self.file).stem
-
-    def figure(self, result: Any) -> Figure:
-        """Return the figure of a result."""
-        with in_style():
-            return self.draw(result)
-
-    def write(self, result: Any, path: Path) -> None:
-        """Draw the figure of a result and write it as PNG."""
-        save(path, self.draw, result)
-
-
-def picture_of(pictures: Iterable[Picture], name: str = "") -> Picture:
-    """Return the picture of a name; without one, the first.
-
-    Raises
-    ------
-    SceneError
-        if there is no such picture; the message lists the available ones
-    """
-    by_name = {picture.name: picture for picture in pictures}
-    name = name or next(iter(by_name), "")
-    if not isinstance(name, str) or name not in by_name:
-        available = ", ".join(by_name) or "none: all selected quantities are numbers"
-        hint = did_you_mean(name, by_name, f"give one of {available}")
-        raise SceneError(f"no figure {shown(name)} of these results{hint}")
-    return by_name[name]
 
 
 class Drawing(Figure):

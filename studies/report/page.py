@@ -1,14 +1,16 @@
 """Draw the figures of a run and write its page (report.html)."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..crosscheck import INSIDE, LOG, STOPPED, Account, Result, done_apart, make
+from ..crosscheck import INSIDE, LOG, STOPPED, Account, Result, copies, make
 
 if TYPE_CHECKING:
-    from ..figures.style import Picture
+    from ..figures.catalogue import Picture
+
+DEAREST = "difference.png"
 
 
 def show(
@@ -29,28 +31,32 @@ def _draw(result: Result, pictures: Sequence["Picture"], directory: Path) -> lis
     """Draw the pictures that a result has data for; return the failures, with reasons.
 
     Fields inside the half-space are written, too. They take as long as the contact problem, and are
-    therefore left out without pictures unless the scene asks for them (`output.field_times`). While
-    they are computed, a second process draws the pictures that do not need them.
+    therefore left out without pictures unless the scene asks for them (`output.field_times`). A
+    copy of this process draws most of the other pictures.
     """
     from ..crosscheck import write_half_space
 
-    def draw(of_inside: bool) -> list[str]:
+    def draw(drawn: Iterable["Picture"]) -> list[str]:
         failures = []
-        for picture in pictures:
-            if picture.of_inside == of_inside and picture.drawn_for(result):
+        for picture in drawn:
+            if picture.drawn_for(result):
                 LOG.info("  output  drawing %s ...", picture.file)
                 failures += make(directory / picture.file, partial(picture.write, result))
         return failures
 
     scene, series = result.scene, bool(result.scene.output.field_times)
-    if not (result.has_inside and (pictures or series)):
-        return draw(of_inside=False)
-
-    with done_apart(partial(draw, of_inside=False)) as drawn:
-        failures = make(
-            directory / INSIDE, lambda path: write_half_space(result.inside(), scene, path, series)
-        )
-        return failures + draw(of_inside=True) + drawn()
+    others = [picture for picture in pictures if not picture.of_inside]
+    with copies() as apart:
+        # the dearest one takes as long as half of the others
+        (drawn,) = apart(partial(draw, [each for each in others if each.file != DEAREST]))
+        failures = draw(each for each in others if each.file == DEAREST)
+        if result.has_inside and (pictures or series):
+            failures += make(
+                directory / INSIDE,
+                lambda path: write_half_space(result.inside(), scene, path, series),
+            )
+            failures += draw(picture for picture in pictures if picture.of_inside)
+        return failures + drawn()
 
 
 def write_report(

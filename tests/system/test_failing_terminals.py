@@ -187,14 +187,14 @@ import signal, sys
 from ringwear import main
 from ringwear.studies.crosscheck.result import run
 
-def fail(scene, methods, **_):
+def fail(*_, **__):
     try:
         signal.raise_signal(signal.SIGINT)
     except KeyboardInterrupt:
         raise ImportError("a library could not be loaded")
 
 signal.signal(signal.SIGINT, signal.default_int_handler)
-run.computed = fail
+run.begun = fail
 sys.exit(main(["run", "flat_punch", "--out", sys.argv[1]]))
 """
 

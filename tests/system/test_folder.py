@@ -149,7 +149,7 @@ def test_figures_that_a_second_process_loses_are_drawn_or_named_once(end, script
 TWO_PROCESSES = """
 import os
 import ringwear, xarray
-from ringwear.studies.crosscheck import done_apart
+from ringwear.studies.crosscheck import copies
 
 first = os.getpid()
 
@@ -158,10 +158,15 @@ def fails_apart():
         raise ValueError
     return first
 
-with done_apart(os.getpid) as apart, done_apart(os.getpid, wanted=False) as here:
-    assert apart() != first == here()
-with done_apart(fails_apart) as found:
-    assert found() == first
+def copy_of_copy():
+    (found,) = apart(os.getpid)
+    return os.getpid(), found()
+
+with copies() as apart, copies(wanted=False) as here:
+    pids, (mine,) = apart(copy_of_copy, os.getpid, fails_apart), here(os.getpid)
+    (second, third), again, failed = (pid() for pid in pids)
+    assert len({first, second, third}) == 3
+    assert (again, failed, mine()) == (second, first, first)
 assert ringwear.main(["run", "cone", "--rtol", "1e-2", "--no-figures", "--out", "out"]) != 2
 alone = ringwear.run("cone", rtol=1e-2).dataset
 xarray.testing.assert_equal(ringwear.load("out").dataset, alone)

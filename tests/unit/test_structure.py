@@ -76,12 +76,13 @@ UPWARD = {
         "studies.figures.style",
         "studies.report.page",
     },
-    "studies.crosscheck.result.words": {"studies.figures.style"},
+    "studies.crosscheck.result.words": {"studies.figures.catalogue"},
 }
 # packages that the package itself loads at their first use, by name
 LOADED_LATE = {
     "studies.crosscheck.methods.base": "methods, of which a scene needs some",
     "studies.documented": "commands and studies, of which a user conducts one",
+    "studies.figures.catalogue": "figures, of which a run draws some",
 }
 # packages without a module, whose files are installed as data
 ONLY_DATA = {

@@ -170,6 +170,13 @@ def _discretise_flat(problem: Problem, stages: Stages) -> Discretised:
         sizes = fem_sizes(problem)
     with stages("assembling"):
         half_space = half_space_on(problem, sizes)
+
+    def coarser(stages: Stages) -> "Compliance":
+        with stages("estimating"):
+            return _coarser_half_space(problem, sizes.coarser(), half_space).compliance()
+
+    begun_coarser = stages.begin(coarser)
+    with stages("assembling"):
         half_space.assemble()
     with stages("condensing"):
         # the first of the compliances by poles is that of the clamped outer boundary
@@ -186,7 +193,7 @@ def _discretise_flat(problem: Problem, stages: Stages) -> Discretised:
     }
     return Discretised(
         fine,
-        lambda: _coarser_half_space(problem, sizes.coarser(), half_space).compliance(),
+        begun_coarser,
         half_space.unknowns,
         settings,
         # so that displacements and stresses inside are those of the clamped half-space, too

@@ -42,10 +42,7 @@ class MovingContact(Evaluation):
     step_length : factor on the lengths of steps in time
     in_layers : whether the contact covers the face from the start, so that steps in time must also
         resolve the slopes of the thin layers that wear makes at ring edges and at the rim
-
-    Attributes
-    ----------
-    evolution : the wear in time, in the requested steps or in adaptive ones
+    evolution : the wear in time, in the requested steps or in adaptive ones, if it is known
     """
 
     # The edges of the contact move, and seldom to the same place in a cell of both meshes.
@@ -58,6 +55,7 @@ class MovingContact(Evaluation):
         start: FittedPress | None = None,
         step_length: float = 1.0,
         in_layers: bool = False,
+        evolution: Evolution | None = None,
     ) -> None:
         super().__init__(problem, compliance)
         self.start, self.in_layers, self.step_length = start, in_layers, step_length
@@ -82,7 +80,7 @@ class MovingContact(Evaluation):
             load_of(problem),
             problem.loading,
         )
-        self.evolution = (
+        self.evolution = evolution or (
             self._adaptive
             if problem.step is None
             else evolve_in_equal_steps(self._punch, problem.times, problem.step)

@@ -10,7 +10,7 @@ other contact is marched in time (`solve_in_moving_contact`).
 """
 
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import ClassVar
@@ -31,6 +31,7 @@ from ..progress import Stages
 from ..sizes.layers import narrowed_for_layers
 from ..sizes.ring_edges import RADIAL_ROUNDOFF, smallest_size
 from ..sizes.shared import covering
+from ..wear.evolution import Evolution
 from ..wear.falling_force import refuse_tension
 from ..wear.first_contact import covers_face, first_contact, load_at_start
 from ..wear.fitted_press import fit_presses
@@ -245,29 +246,33 @@ def solve_in_moving_contact(
         that is accurate enough
     allowed_error : largest error of a steady state that is reused
     """
-    steady = solve_steady_part(method, problem, stages, earlier, allowed_error)
-    if steady and not len(problem.times):
-        return steady
+    begun_steady = begin_steady_part(method, problem, stages, earlier, allowed_error)
+    if not len(problem.times) and (alone := begun_steady()):
+        return alone
     with stages("locating"):
         intervals, _ = first_contact(problem)
     discretisation = method.discretise(problem, stages)
     with stages("pressing"):
         presses, notes = fitted_starts(problem, intervals, discretisation, earlier)
     start, coarse_start = presses or (None, None)
+    # fields are compared at the same radii, which otherwise depend on the first time
+    on_face, in_layers = replace(problem, compared_on=problem.face), covers_face(intervals)
+    length = error_factor("steps of the coarser march")
+
+    def coarser(stages: Stages) -> Evolution:
+        with stages("estimating"):
+            compliance = discretisation.coarser()
+            return MovingContact(on_face, compliance, coarse_start, length, in_layers).evolution
+
+    begun_evolution = stages.begin(coarser)
     with stages("marching"):
-        in_layers = covers_face(intervals)
         fine = MovingContact(problem, discretisation.compliance, start, in_layers=in_layers)
     with stages("estimating"):
-        # fields are compared at the same radii, which otherwise depend on the first time
-        on_face = replace(problem, compared_on=problem.face)
-        coarse = MovingContact(
-            on_face,
-            discretisation.coarser(),
-            coarse_start,
-            error_factor("steps of the coarser march"),
-            in_layers,
-        )
+        evolution = begun_evolution()
+        compliance = evolution.punch.compliance
+        coarse = MovingContact(on_face, compliance, coarse_start, length, in_layers, evolution)
         solution = _solution(discretisation, fine, coarse)
+    steady = begun_steady()
     solution = replace(
         _without_infinite_peak(solution, problem.rtol),
         settings=fine.settings,
@@ -281,23 +286,24 @@ def solve_in_moving_contact(
     return _join_steady_part(solution, steady) if steady else solution
 
 
-def solve_steady_part(
+def begin_steady_part(
     method: ComplianceMethod,
     problem: Problem,
     stages: Stages,
     earlier: Solution | None,
     allowed_error: float,
-) -> Solution | None:
-    """Return the steady state of a shaped punch, which is that of the flat one, if it is wanted.
+) -> Callable[[], Solution | None]:
+    """Begin the steady state of a shaped punch, which is that of the flat one, if it is wanted.
 
-    The steady state of an earlier solution is reused if its errors are within `allowed_error`.
+    Return a function that returns it. The steady state of an earlier solution is reused if its
+    errors are within `allowed_error`.
     """
     if not problem.steady:
-        return None
+        return lambda: None
     if earlier and (reused := earlier.steady_part) and reused.max_error <= allowed_error:
-        return reused
+        return lambda: reused
     flat = replace(problem, profile=FLAT, times=problem.times[:0], compared_on=problem.face)
-    return method.solve(replace(flat, loading=problem.loading.final), stages)
+    return stages.begin(partial(method.solve, replace(flat, loading=problem.loading.final)))
 
 
 def fitted_starts(

@@ -23,6 +23,9 @@ from .scope import Methods, chosen_methods, methods_of, refusals, refuse
 GIB = 2.0**30
 # Memory that every machine has, in GiB.
 LEAST_MEMORY = 0.5
+# Number of processes at most that need this much at the same time: two methods, and the coarser
+# solution of one of them.
+COPIES_AT_ONCE = 3
 # Memory of the loaded libraries, in GiB.
 LIBRARIES = 0.23
 # Number of dense matrices of the size of the compliance that are in memory at once.
@@ -177,6 +180,16 @@ def refuse_beyond_memory(
     """
     if reason := why_beyond_memory(scene, methods, limit, others):
         raise SceneError(reason)
+
+
+def fit_into_memory(scene: Scene, methods: Collection[Method], limit: float | None = None) -> bool:
+    """Return whether copies of this process can solve a scene at the same time.
+
+    The parameters are those of `why_beyond_memory`.
+    """
+    needed = sum(memory_need(scene, methods))
+    limit = most_memory(needed) if limit is None else limit
+    return needed <= LEAST_MEMORY or COPIES_AT_ONCE * needed <= limit
 
 
 def accepted_methods(

@@ -3,7 +3,7 @@
 Its numbers are an xarray Dataset (written as netCDF-4) and a summary (written as JSON).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from html import escape
@@ -17,7 +17,7 @@ from ....meshes.radial import Array
 from ...tables.writing import as_json
 from ..anchors.anchor import Anchor
 from ..methods.base import Method, Solution
-from ..methods.inside.interior import Interior, interior
+from ..methods.inside.interior import Interior, has_inside, interior
 from ..methods.sampling.field_differences import (
     IN_STEADY_STATE,
     OVER_TIME,
@@ -25,11 +25,11 @@ from ..methods.sampling.field_differences import (
     compare_fields,
 )
 from ..methods.sampling.sampler import Sampler
-from ..problem.quantities import FIELDS, error_name
+from ..problem.quantities import error_name
 from ..problem.suggestions import AnswersGuesses, did_you_mean
 from ..problem.unit_names import number_of
 from ..problem.written import shown
-from ..progress import LOG, Stages
+from ..progress import Stages
 from ..scene.scene import Scene
 from ..verdict.agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity
 from ..verdict.promise import LeftOut, allowed_error, in_words, share
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-    from ...figures.style import Picture
+    from ...figures.catalogue import Picture
     from .judgement import Judged
     from .load import Summary
 
@@ -76,6 +76,7 @@ class Result(AnswersGuesses):
     about_others : the judgement on the results of other programs, in sentences
     compared_in_fields : methods that compute the same fields: the reference, the one that is drawn,
         and the others
+    begun_inside : returns the fields inside the half-space that were begun with the solution
     saved : the content of `summary.json`, if the results were read from a folder
     """
 
@@ -91,6 +92,7 @@ class Result(AnswersGuesses):
     of_others: tuple[str, ...] = ()
     about_others: tuple[str, ...] = ()
     compared_in_fields: tuple[str, ...] = ()
+    begun_inside: Callable[[], Interior | None] | None = None
     saved: dict[str, Any] | None = None
 
     @property
@@ -189,15 +191,8 @@ class Result(AnswersGuesses):
 
     @property
     def has_inside(self) -> bool:
-        """Whether fields inside the half-space are wanted and finite elements can compute them.
-
-        If the contact changes, they need a history by finite elements.
-        """
-        problem, fem = self.scene.problem, self.solutions.get("fem")
-        wanted = any(map(problem.wants, FIELDS)) or bool(self.scene.output.field_times)
-        if not wanted or fem is None or fem.half_space is None:
-            return False
-        return problem.full_contact or fem.evolution is not None
+        """Whether fields inside the half-space are wanted, and finite elements have them."""
+        return "fem" in self.solutions and has_inside(self.scene, self.solutions["fem"])
 
     def inside(self) -> Interior:
         """Compute displacements and stresses inside the half-space, once.
@@ -208,8 +203,8 @@ class Result(AnswersGuesses):
 
     @cached_property
     def _inside(self) -> Interior:
-        LOG.info("  output  computing the inside of the half-space ...")
-        return interior(self.scene, self.solutions["fem"])
+        begun = self.begun_inside() if self.begun_inside else None
+        return begun or interior(self.scene, self.solutions["fem"])
 
     @cached_property
     def coordinates(self) -> dict[str, Array]:
@@ -363,8 +358,7 @@ class Result(AnswersGuesses):
         SceneError
             if the results have no such figure or time; the message lists the available ones
         """
-        from ...figures.catalogue import picture_of_field
-        from ...figures.style import picture_of
+        from ...figures.catalogue import picture_of, picture_of_field
 
         if kind in OVER_TIME:
             picture = picture_of_field(kind, self._number_of_time(time))

@@ -1,14 +1,17 @@
 """Run a scene: solve it by every method, estimate errors, and judge whether the methods agree."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import combinations
+from typing import Any
 
 from threadpoolctl import threadpool_limits
 
 from ....meshes.errors import SceneError
+from ..copies import Apart, here
 from ..methods.base import Method, Solution
+from ..methods.inside.interior import Interior, has_inside, interior
 from ..problem.written import shown
 from ..progress import Stages
 from ..registry import METHODS
@@ -18,8 +21,7 @@ from ..scene.scene import Scene, Source
 from ..verdict.accuracy import solved_to_accuracy
 from ..verdict.agreement import agreements, unchecked
 from .judgement import Judged
-from .output.second_process import done_apart
-from .predictions import LEAST_MEMORY, accepted_methods, memory_need
+from .predictions import accepted_methods
 from .result import Result, methods_with_fields
 from .table import answers_of, tabulate
 
@@ -167,38 +169,47 @@ def run(
     named = all(isinstance(entry, str) for entry in entries)
     names = [str(entry) for entry in entries] if named and methods is not None else None
     scene = Scene.of(scene, names, rtol, quantities)
-    return computed(scene, accepted_methods(scene, entries, memory))
+    return begun(scene, accepted_methods(scene, entries, memory))()
 
 
-def computed(scene: Scene, methods: Mapping[str, Method], in_two_processes: bool = False) -> Result:
-    """Solve a scene by methods that can solve it, and judge their results.
+def begun(
+    scene: Scene, methods: Mapping[str, Method], apart: Apart = here, with_inside: bool = False
+) -> Callable[[], Result]:
+    """Begin to solve a scene; return a function that completes this, and judges the results.
 
     Parameters
     ----------
-    scene, methods : the scene, and the methods by name
-    in_two_processes : whether a second process may solve it by all methods but finite elements,
-        which take about as long as the others together
+    scene, methods : the scene, and methods that can solve it, by name
+    apart : begins the finite elements, which take about as long as the other methods together
+    with_inside : whether the fields inside the half-space are begun, too
     """
+    solutions = dict[str, Solution]()
+    stages = {name: Stages(name, apart=apart if name == "fem" else here) for name in methods}
 
-    def solve(names: Iterable[str]) -> dict[str, tuple[Solution, Stages]]:
-        solved = {}
-        for name in names:
-            stages = Stages(name)
-            solution = solved_to_accuracy(methods[name], [scene.problem], stages)[0]
-            solved[name] = solution, stages
-        return solved
+    def solve(name: str) -> tuple[Solution, dict[str, float]]:
+        # one thread: the matrices are small, and threads of two linear algebra libraries would
+        # mostly wait for each other
+        with threadpool_limits(1):
+            solved = solved_to_accuracy(methods[name], [scene.problem], stages[name])
+        solutions[name] = solved[0]
+        return solved[0], stages[name].seconds
 
-    # methods of a user may have states; two processes need more memory
-    others = [name for name in methods if name in METHODS and name != "fem"]
-    two = in_two_processes and 0 < len(others) < len(methods)
-    two = two and sum(memory_need(scene, methods.values())) <= LEAST_MEMORY
-    # one thread: the matrices are small, and threads of two linear algebra libraries would mostly
-    # wait for each other
-    with threadpool_limits(1), done_apart(partial(solve, others), two) as solved:
-        rest = solve(name for name in methods if name not in others)
-        all_solved = solved() | rest
-    solutions = {name: all_solved[name][0] for name in methods}
-    return judged(scene, methods, solutions, {name: all_solved[name][1] for name in methods})
+    def inside() -> Interior | None:
+        wanted = with_inside and has_inside(scene, solutions["fem"])
+        return interior(scene, solutions["fem"]) if wanted else None
+
+    works: dict[str, Callable[[], Any]] = {name: partial(solve, name) for name in methods}
+    begun_inside = None
+    if "fem" in methods:
+        works["fem"], begun_inside = apart(works["fem"], inside)
+
+    def complete() -> Result:
+        for name in sorted(methods, key="fem".__eq__):
+            solutions[name], stages[name].seconds = works[name]()
+        in_order = {name: solutions[name] for name in methods}
+        return replace(judged(scene, methods, in_order, stages), begun_inside=begun_inside)
+
+    return complete
 
 
 def judged(

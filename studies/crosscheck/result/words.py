@@ -14,7 +14,7 @@ from ..verdict.promise import allowed_error, share
 from .scope import Methods, left_out, modelled, omitted_methods
 
 if TYPE_CHECKING:
-    from ...figures.style import Picture
+    from ...figures.catalogue import Picture
     from .result import Result
 
 Rows = list[dict[str, str]]

@@ -12,7 +12,7 @@ from scipy.sparse.linalg import splu
 
 from ringwear import SizeField, SolverError, bisection, direct, press_flat
 from ringwear.fem import condensation
-from ringwear.fem.condensation import solve, symmetric, trailing_factor
+from ringwear.fem.condensation import Factor, symmetric
 from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.half_space import HalfSpace, pressure_space
 from ringwear.meshes.by_gmsh import quads
@@ -106,7 +106,7 @@ def random_definite(seed):
 @pytest.mark.parametrize("inside", [1, 25, 39])
 def test_trailing_factor_is_the_schur_complement(inside):
     dense = random_definite(inside)
-    factor = trailing_factor(coo_matrix(np.tril(dense)), inside)
+    factor = Factor(coo_matrix(np.tril(dense))).trailing(inside)
     np.testing.assert_allclose(factor, np.tril(factor))
     # the inverse of the Schur complement is the trailing block of the inverse
     complement = np.linalg.inv(np.linalg.inv(dense)[inside:, inside:])
@@ -116,7 +116,7 @@ def test_trailing_factor_is_the_schur_complement(inside):
 @pytest.mark.usefixtures("solver")
 def test_solutions_fulfil_the_system():
     dense, right = random_definite(3), np.random.default_rng(3).normal(size=(40, 2))
-    solution = solve(coo_matrix(np.tril(dense)), right)
+    solution = Factor(coo_matrix(np.tril(dense))).solve(right)
     np.testing.assert_allclose(dense @ solution, right, rtol=0, atol=1e-10)
 
 
@@ -127,6 +127,6 @@ def test_indefinite_matrices_are_refused(spoilt, value):
     dense = random_definite(7)
     dense[spoilt, spoilt] = value
     with pytest.raises(SolverError):
-        trailing_factor(coo_matrix(np.tril(dense)), 25)
+        Factor(coo_matrix(np.tril(dense))).trailing(25)
     with pytest.raises(SolverError):
-        solve(coo_matrix(np.tril(dense)), np.ones((40, 1)))
+        Factor(coo_matrix(np.tril(dense))).solve(np.ones((40, 1)))

@@ -29,6 +29,8 @@ from .....mdr.flat_punch import flat_punch_of
 from .....meshes.compliance import Compliance
 from .....meshes.radial import Array, Indices
 from ...problem.problem import Problem
+from ...problem.quantities import FIELDS
+from ...progress import LOG
 from ...scene.scene import Scene
 from ...sizes.finite_elements import coarser_pole_orders
 from ...wear.full_contact import RunningIn
@@ -98,6 +100,17 @@ class Interior:
         return von_mises(self.stress)
 
 
+def has_inside(scene: Scene, fem: Solution) -> bool:
+    """Return whether fields inside the half-space are wanted, and finite elements have them.
+
+    If the contact changes, they need a history by finite elements.
+    """
+    problem = scene.problem
+    if not (any(map(problem.wants, FIELDS)) or scene.output.field_times) or fem.half_space is None:
+        return False
+    return problem.full_contact or fem.evolution is not None
+
+
 def interior(scene: Scene, fem: Solution) -> Interior:
     """Return the inside of the half-space at the scene's field times, and in the steady state.
 
@@ -108,6 +121,7 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     from .....fem.far_field import enough_poles
     from .....meshes.half_space import truncation
 
+    LOG.info("  output  computing the inside of the half-space ...")
     of_contact, problem, times = fem.half_space, scene.problem, scene.output.field_times
     assert of_contact is not None
     # `refinements`: how often each element is refined to show its polynomials; `highest`: highest

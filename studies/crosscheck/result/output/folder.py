@@ -18,7 +18,7 @@ from tempfile import TemporaryFile
 from .....meshes.errors import SceneError
 from ....tables.writing import json_text
 from ...problem.written import shown
-from .signals import STOPPED, signals_wait
+from ...signals import STOPPED, signals_wait
 
 MARKER = ".ringwear.json"
 WRITING = ".writing"
