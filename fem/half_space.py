@@ -190,10 +190,6 @@ class HalfSpace:
         out[far_functions], out[far_functions + solid.nodes] = nodal.swapaxes(0, 1)
         return out
 
-    def assemble(self) -> None:
-        """Assemble the stiffness, so that the time for it is not part of that of condensing it."""
-        self.lower_triangle  # noqa: B018 (a cached property, which `compliance` uses)
-
     @cached_property
     def lower_triangle(self) -> coo_matrix:
         """Lower triangle of the stiffness, whose duplicate entries are not summed yet.

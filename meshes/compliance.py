@@ -5,7 +5,7 @@ depends on the radii of the ring edges, but not on the materials of the rings, s
 condensation of the half-space can be used for every set of wear coefficients.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -80,24 +80,4 @@ class Compliance:
 
     def restricted(self, space: PressureSpace) -> "Compliance":
         """Return the compliance of the same half-space on a subspace of its pressure space."""
-        factor = self.factor @ self.space.embedding(space)
-        return RestrictedCompliance(space, factor, self.ground, full=self)
-
-
-@dataclass(frozen=True, eq=False)
-class RestrictedCompliance(Compliance):
-    """A compliance on a subspace, which computes its matrix from that of the full space.
-
-    Parameters
-    ----------
-    space, factor, ground : as in `Compliance`
-    full : the compliance on the full space
-    """
-
-    full: Compliance = field(kw_only=True)
-
-    @cached_property
-    def matrix(self) -> Array:
-        """The compliance `A` (size, size), computed without a product of factors."""
-        embedding = self.full.space.embedding(self.space)
-        return embedding.T @ (embedding.T @ self.full.matrix).T
+        return Compliance(space, self.factor @ self.space.embedding(space), self.ground)

@@ -5,6 +5,7 @@ listed, and texts are printed. Its arguments (`arguments.py`) are the parameters
 """
 
 import atexit
+import ctypes
 import gc
 import re
 import sys
@@ -12,7 +13,7 @@ from collections.abc import Sequence
 from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..meshes import SceneError
 from .arguments import in_units
@@ -33,8 +34,8 @@ from .report.terminal import print_lines, print_markdown, show_progress
 from .status import Status
 from .tables.writing import INTERRUPTED
 
-if TYPE_CHECKING:
-    from .figures.catalogue import Picture
+# bytes
+TRIM_THRESHOLD, MMAP_THRESHOLD = 2**27, 2**25
 
 
 def conduct(command: str, options: dict[str, Any], usage: str, only: bool) -> Status:
@@ -54,12 +55,23 @@ def conduct(command: str, options: dict[str, Any], usage: str, only: bool) -> St
     if only and command != "sweep":
         # xarray loads Dask wherever it is installed, and only sweeps need it
         sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
+    _keep_freed_memory()
     show_progress(of_stages=command not in ("plan", "study", "sweep"))
     try:
         return function_at(f"commands:_{command}")(**options)
     except SceneError as error:
         error.args = (_possible(str(error), usage),)
         raise
+
+
+def _keep_freed_memory() -> None:
+    """Let glibc keep the memory of freed arrays: the system returns it page by page, which is slow.
+
+    An array of more than `MMAP_THRESHOLD` is not kept, nor is more than `TRIM_THRESHOLD` in all.
+    """
+    if sys.platform == "linux" and (mallopt := getattr(ctypes.CDLL(None), "mallopt", None)):
+        mallopt(-1, TRIM_THRESHOLD)
+        mallopt(-3, MMAP_THRESHOLD)
 
 
 def _possible(message: str, usage: str) -> str:
@@ -95,23 +107,20 @@ def _run(
     csv : write the results as CSV tables, too
     verbose : print everything: each ring, every difference, the cost, what is modelled and left out
     """
-    from .crosscheck import RUN_FILES, accepted_methods, copies, fit_into_memory, write_numbers
+    from .crosscheck import RUN_FILES, accepted_methods, copies, why_beyond_memory, write_numbers
+    from .figures.catalogue import PICTURES
     from .study.own import load_methods
 
     memory, methods = given.pop("memory", None), load_methods(given.pop("methods", None))
     names = [entry for entry in methods if isinstance(entry, str)] or None
     read = Scene.of(scene, names, **given)
     entries = accepted_methods(read, methods, memory)
-    pictures: tuple[Picture, ...] = ()
-    if not no_figures:
-        from .figures.catalogue import PICTURES
-
-        pictures = PICTURES
+    pictures = () if no_figures else PICTURES
     files = {*RUN_FILES, *(picture.file for picture in pictures)}
     # open the folder first, so that a folder that cannot be written to is refused before the work
     with (
         output_folder(_out(out, scene), "run", files) as folder,
-        copies(fit_into_memory(read, entries.values(), memory)) as apart,
+        copies(not why_beyond_memory(read, entries.values(), memory, at_once=3)) as apart,
     ):
         from .crosscheck import Account, begun
 
@@ -120,9 +129,10 @@ def _run(
         from .report.printed import print_account
 
         if pictures:
-            # load matplotlib while a copy of this process solves by finite elements, without the
-            # tables in its docstrings, which take a third of the time
+            # while a copy of this process solves by finite elements, load what draws, without the
+            # tables in docstrings, which take a third of the time
             import matplotlib.artist
+            import meshio  # noqa: F401
 
             matplotlib.artist.kwdoc = lambda artist: ""  # noqa: ARG005
             from .figures import states  # noqa: F401

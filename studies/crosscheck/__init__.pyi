@@ -135,7 +135,6 @@ from .result.output.vtu import (
 )
 from .result.predictions import (
     accepted_methods as accepted_methods,
-    fit_into_memory as fit_into_memory,
     plan_run as plan_run,
     refuse_beyond_memory as refuse_beyond_memory,
     refuse_large as refuse_large,

@@ -18,14 +18,11 @@ from ..scene.scene import Scene, Source
 from ..sizes.cells import cells_of, graded_to_worn_layers
 from ..sizes.radial import radial_sizes
 from ..wear.step_control import steps_between
-from .scope import Methods, chosen_methods, methods_of, refusals, refuse
+from .scope import Methods, chosen_methods, methods_of, refuse
 
 GIB = 2.0**30
 # Memory that every machine has, in GiB.
 LEAST_MEMORY = 0.5
-# Number of processes at most that need this much at the same time: two methods, and the coarser
-# solution of one of them.
-COPIES_AT_ONCE = 3
 # Memory of the loaded libraries, in GiB.
 LIBRARIES = 0.23
 # Number of dense matrices of the size of the compliance that are in memory at once.
@@ -127,6 +124,7 @@ def why_beyond_memory(
     methods: Collection[Method] | None = None,
     limit: float | None = None,
     others: float = 0.0,
+    at_once: int = 1,
 ) -> str:
     """Return why a run does not fit into memory, with the remedy; empty if it fits.
 
@@ -136,6 +134,8 @@ def why_beyond_memory(
         As for `memory_need`.
     limit : float, optional
         Memory that may be used, in GiB; by default that of the machine.
+    at_once : int
+        Number of processes that solve at the same time, and share the libraries.
 
     Raises
     ------
@@ -143,6 +143,7 @@ def why_beyond_memory(
         if the limit is not a positive number
     """
     problem, (fixed, over_time) = scene.problem, memory_need(scene, methods, others)
+    fixed, over_time = LIBRARIES + at_once * (fixed - LIBRARIES), at_once * over_time
     limit = most_memory(fixed + over_time) if limit is None else limit
     if not (isinstance(limit, float | int) and limit > 0):
         raise SceneError(f"memory = {shown(limit)}: give GiB as a positive number, such as 8")
@@ -180,16 +181,6 @@ def refuse_beyond_memory(
     """
     if reason := why_beyond_memory(scene, methods, limit, others):
         raise SceneError(reason)
-
-
-def fit_into_memory(scene: Scene, methods: Collection[Method], limit: float | None = None) -> bool:
-    """Return whether copies of this process can solve a scene at the same time.
-
-    The parameters are those of `why_beyond_memory`.
-    """
-    needed = sum(memory_need(scene, methods))
-    limit = most_memory(needed) if limit is None else limit
-    return needed <= LEAST_MEMORY or COPIES_AT_ONCE * needed <= limit
 
 
 def accepted_methods(
@@ -260,10 +251,10 @@ def plan_run(source: Source, memory: float | None = None) -> list[str]:
         Lines of text: sizes, seconds of one processor, GiB, refusals and notes.
     """
     scene = Scene.of(source)
-    methods = chosen_methods(scene)
-    reasons = refusals(scene, methods) or [why_beyond_memory(scene, methods.values(), memory)]
-    if any(reasons):
-        return [f"refused: {reason}" for reason in reasons]
+    try:
+        methods = accepted_methods(scene, memory=memory)
+    except SceneError as error:
+        return [f"refused: {error}"]
     sizes = {name: entry.system_size(scene.problem) for name, entry in methods.items()}
     seconds = {
         name: predict_seconds(methods[name], scene.problem, size) for name, size in sizes.items()

@@ -4,7 +4,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import combinations
-from typing import Any
 
 from threadpoolctl import threadpool_limits
 
@@ -175,7 +174,7 @@ def run(
 def begun(
     scene: Scene, methods: Mapping[str, Method], apart: Apart = here, with_inside: bool = False
 ) -> Callable[[], Result]:
-    """Begin to solve a scene; return a function that completes this, and judges the results.
+    """Solve a scene; return a function that waits for the finite elements, and judges all results.
 
     Parameters
     ----------
@@ -198,14 +197,16 @@ def begun(
         wanted = with_inside and has_inside(scene, solutions["fem"])
         return interior(scene, solutions["fem"]) if wanted else None
 
-    works: dict[str, Callable[[], Any]] = {name: partial(solve, name) for name in methods}
-    begun_inside = None
-    if "fem" in methods:
-        works["fem"], begun_inside = apart(works["fem"], inside)
+    begun_works = apart(partial(solve, "fem"), inside) if "fem" in methods else ()
+    for name in methods:
+        if name != "fem":
+            solve(name)
 
     def complete() -> Result:
-        for name in sorted(methods, key="fem".__eq__):
-            solutions[name], stages[name].seconds = works[name]()
+        begun_inside = None
+        if begun_works:
+            of_fem, begun_inside = begun_works
+            solutions["fem"], stages["fem"].seconds = of_fem()
         in_order = {name: solutions[name] for name in methods}
         return replace(judged(scene, methods, in_order, stages), begun_inside=begun_inside)
 

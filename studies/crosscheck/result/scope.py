@@ -217,8 +217,14 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
     return reasons
 
 
-def refusals(scene: Scene, methods: Methods) -> list[str]:
-    """Return the reasons why methods cannot compute a scene, each with a remedy."""
+def refuse(scene: Scene, methods: Methods) -> None:
+    """Refuse a scene that methods cannot compute, before any work and in the same words.
+
+    Raises
+    ------
+    SceneError
+        with all reasons, each with a remedy
+    """
     refused = [entry.refusal(scene.problem) for entry in methods.values()]
     problem = scene.problem
     if scene.output.field_times and not (problem.full_contact or len(problem.times)):
@@ -239,19 +245,8 @@ def refusals(scene: Scene, methods: Methods) -> list[str]:
             f"output.depth adds the far field of a half-space without layers: with "
             f"half_space.layers {remedy}"
         )
-    return [reason for reason in refused if reason]
-
-
-def refuse(scene: Scene, methods: Methods) -> None:
-    """Refuse a scene that methods cannot compute, before any work and in the same words.
-
-    Raises
-    ------
-    SceneError
-        with all reasons, each with a remedy
-    """
-    if reasons := refusals(scene, methods):
-        raise SceneError("; ".join(dict.fromkeys(reasons)))
+    if any(refused):
+        raise SceneError("; ".join(dict.fromkeys(filter(None, refused))))
 
 
 def beyond_the_model(scene: Scene) -> list[str]:
