@@ -193,9 +193,8 @@ def build(out: Path) -> None:
         config = Path(place) / "mkdocs.yml"
         settings = read(ROOT / ".ci" / "mkdocs.yml").replace("GALLERY", json.dumps(pages))
         config.write_text(settings, "utf-8")
-        command = [sys.executable, "-m", "mkdocs", "build", "--strict"]
-        command += ["-f", str(config), "--site-dir", str(out.resolve())]
-        subprocess.run(command, check=True)
+        options = ["--strict", "-f", config, "--site-dir", out.resolve()]
+        subprocess.run([sys.executable, "-m", "mkdocs", "build", *options], check=True)
 
 
 if __name__ == "__main__":

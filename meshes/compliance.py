@@ -74,8 +74,9 @@ class Compliance:
         out = np.zeros((self.space.size,) * 2)
         for rows in np.array_split(self.factor, 1 + len(self.factor) // ROWS_AT_ONCE):
             used = np.flatnonzero(rows.any(axis=0))
-            span = slice(used[0], used[-1] + 1)
-            out[span, span] += rows[:, span].T @ rows[:, span]
+            if len(used):
+                span = slice(used[0], used[-1] + 1)
+                out[span, span] += rows[:, span].T @ rows[:, span]
         return out
 
     def restricted(self, space: PressureSpace) -> "Compliance":

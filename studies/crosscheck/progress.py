@@ -2,6 +2,7 @@
 
 import logging
 import time
+from collections import defaultdict
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -10,6 +11,8 @@ from typing import TypeVar
 from .copies import Apart, here
 
 LOG = logging.getLogger("ringwear")
+# level of a stage that is a part of another one of its name
+PART = logging.DEBUG
 STAGES = LOG.getChild("stages")  # stages of single methods, which studies and sweeps do not show
 
 Value = TypeVar("Value")
@@ -23,18 +26,18 @@ class Stages:
     """
 
     name: str
-    seconds: dict[str, float] = field(default_factory=dict)
+    seconds: dict[str, float] = field(default_factory=lambda: defaultdict(float))
     apart: Apart = here
     waited: float = 0.0
 
     @contextmanager
-    def __call__(self, stage: str) -> Iterator[None]:
+    def __call__(self, stage: str, level: int = logging.INFO) -> Iterator[None]:
         """Time a stage: log when the `with` block begins and ends, and add up its seconds."""
-        STAGES.info("%8s  %s ...", self.name, stage)
+        STAGES.log(level, "%8s  %s ...", self.name, stage)
         start = time.perf_counter() - self.waited
         yield
-        self._add(stage, time.perf_counter() - self.waited - start)
-        STAGES.info("%8s  %-13s %8.3f s", self.name, stage, self.seconds[stage])
+        self.seconds[stage] += time.perf_counter() - self.waited - start
+        STAGES.log(level, "%8s  %-13s %8.3f s", self.name, stage, self.seconds[stage])
 
     def begin(self, work: Callable[["Stages"], Value]) -> Callable[[], Value]:
         """Begin a work apart, which gets its own stages; return a function that waits for it.
@@ -53,10 +56,7 @@ class Stages:
             value, seconds = done()
             self.waited += time.perf_counter() - start
             for stage, added in seconds.items():
-                self._add(stage, added)
+                self.seconds[stage] += added
             return value
 
         return result
-
-    def _add(self, stage: str, seconds: float) -> None:
-        self.seconds[stage] = self.seconds.get(stage, 0.0) + seconds

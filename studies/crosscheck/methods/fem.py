@@ -12,7 +12,7 @@ from ..problem.problem import Problem
 from ..problem.quantities import DESCRIBED, ENERGIES, LAYER_QUANTITIES
 from ..problem.refusal import Refusal
 from ..problem.sections import DEGREES
-from ..progress import Stages
+from ..progress import PART, Stages
 from ..sizes.finite_elements import FemSizes, coarser_pole_orders, fem_sizes, pole_orders
 from ..sizes.layers import layers_beyond_meshes, why_layers_are_not_meshed
 from ..sizes.ring_edges import compressibility, fem_smallest
@@ -170,7 +170,7 @@ def _discretise_flat(problem: Problem, stages: Stages) -> Discretised:
         sizes = fem_sizes(problem)
 
     def coarser(stages: Stages) -> "Compliance":
-        with stages("estimating"):
+        with stages("estimating", PART):
             return _coarser_half_space(problem, sizes.coarser(), half_space).compliance()
 
     with stages("assembling"):

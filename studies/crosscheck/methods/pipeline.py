@@ -27,7 +27,7 @@ from ..problem.problem import Problem
 from ..problem.profile import FLAT
 from ..problem.quantities import ANSWER, COMPARED_MODES
 from ..problem.refusal import Feature, Refusal
-from ..progress import Stages
+from ..progress import PART, Stages
 from ..sizes.layers import narrowed_for_layers
 from ..sizes.ring_edges import RADIAL_ROUNDOFF, smallest_size
 from ..sizes.shared import covering
@@ -260,7 +260,7 @@ def solve_in_moving_contact(
     length = error_factor("steps of the coarser march")
 
     def coarser(stages: Stages) -> Evolution:
-        with stages("estimating"):
+        with stages("estimating", PART):
             compliance = discretisation.coarser()
             return MovingContact(on_face, compliance, coarse_start, length, in_layers).evolution
 

@@ -203,7 +203,7 @@ class Result(AnswersGuesses):
 
     @cached_property
     def _inside(self) -> Interior:
-        begun = self.begun_inside() if self.begun_inside else None
+        begun = self.begun_inside and self.begun_inside()
         return begun or interior(self.scene, self.solutions["fem"])
 
     @cached_property

@@ -189,9 +189,8 @@ def begun(
         # one thread: the matrices are small, and threads of two linear algebra libraries would
         # mostly wait for each other
         with threadpool_limits(1):
-            solved = solved_to_accuracy(methods[name], [scene.problem], stages[name])
-        solutions[name] = solved[0]
-        return solved[0], stages[name].seconds
+            (solutions[name],) = solved_to_accuracy(methods[name], [scene.problem], stages[name])
+        return solutions[name], stages[name].seconds
 
     def inside() -> Interior | None:
         wanted = with_inside and has_inside(scene, solutions["fem"])
