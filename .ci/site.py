@@ -187,12 +187,11 @@ def build(out: Path) -> None:
         docs = Path(place) / "docs"
         copy_pages(docs)
         write_api(docs)
-        pages = gallery(docs)
         (docs / "style.css").write_text(STYLE, "utf-8")
         # MkDocs reads JSON as YAML
         config = Path(place) / "mkdocs.yml"
-        settings = read(ROOT / ".ci" / "mkdocs.yml").replace("GALLERY", json.dumps(pages))
-        config.write_text(settings, "utf-8")
+        settings = read(ROOT / ".ci" / config.name)
+        config.write_text(settings.replace("GALLERY", json.dumps(gallery(docs))), "utf-8")
         options = ["--strict", "-f", config, "--site-dir", out.resolve()]
         subprocess.run([sys.executable, "-m", "mkdocs", "build", *options], check=True)
 

@@ -107,15 +107,7 @@ def _run(
     csv : write the results as CSV tables, too
     verbose : print everything: each ring, every difference, the cost, what is modelled and left out
     """
-    from .crosscheck import (
-        RUN_FILES,
-        Account,
-        accepted_methods,
-        begun,
-        copies,
-        why_beyond_memory,
-        write_numbers,
-    )
+    from .crosscheck import RUN_FILES, accepted_methods, copies, why_beyond_memory, write_numbers
     from .figures.catalogue import PICTURES
     from .study.own import load_methods
 
@@ -130,6 +122,8 @@ def _run(
         output_folder(_out(out, scene), "run", files) as folder,
         copies(not why_beyond_memory(read, entries.values(), memory, at_once=3)) as apart,
     ):
+        from .crosscheck import Account, begun
+
         complete = begun(read, entries, apart, with_inside=bool(pictures))
         from .report.page import show
         from .report.printed import print_account
@@ -138,7 +132,6 @@ def _run(
             # while a copy of this process solves by finite elements, load what draws, without the
             # tables in docstrings, which take a third of the time
             import matplotlib.artist
-            import meshio  # noqa: F401
 
             matplotlib.artist.kwdoc = lambda artist: ""  # noqa: ARG005
             from .figures import states  # noqa: F401

@@ -9,10 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ...meshes import SceneError
-from ..crosscheck import OVER_TIME, Result, did_you_mean, shown
+from ..crosscheck import OVER_TIME, did_you_mean, shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from ..crosscheck import Result
 
 
 class Picture(NamedTuple):
@@ -89,7 +91,7 @@ def drawn_by(place: str, **options: Any) -> "Callable[[Result], Figure]":
     return lambda result: getattr(import_module(f".{module}", __package__), name)(result, **options)
 
 
-def _has_history(result: Result) -> bool:
+def _has_history(result: "Result") -> bool:
     problem = result.scene.problem
     return problem.earliest > 0 and problem.wants("rms_slope") and result.gives("displacement_max")
 
@@ -98,7 +100,7 @@ def _has_history(result: Result) -> bool:
 IN_CONTACT = ("contact_edge", "ring_force", "normal_force", "ring_worn_volume")
 
 
-def _has_changing_contact(result: Result) -> bool:
+def _has_changing_contact(result: "Result") -> bool:
     """Return whether the contact, or the force of a falling load, changes over the times."""
     problem = result.scene.problem
     changes = problem.keeps_contact or not problem.full_contact
