@@ -48,12 +48,12 @@ def _status_of(arguments: list[str] | None) -> Status:
             with signals_wait():
                 from .arguments import read_arguments
             read = read_arguments(sys.argv[1:] if arguments is None else arguments)
-            if (only := arguments is None) and read["command"] == "run":
+            if arguments is None and read["command"] == "run":
                 # its matrices are small, and the threads of two libraries would wait for each other
                 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
             with signals_wait():
                 from .commands import conduct
-            return conduct(**read, only=only)
+            return conduct(**read, only=arguments is None)
     except KeyboardInterrupt as stop:
         message = str(stop) or STOPPED_IN_WORDS
     except SceneError as error:

@@ -4,15 +4,13 @@ import logging
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from typing import TypeVar
 
 from .copies import Apart, here
 
 LOG = logging.getLogger("ringwear")
-# level of a stage that is a part of another one of its name
-PART = logging.DEBUG
 STAGES = LOG.getChild("stages")  # stages of single methods, which studies and sweeps do not show
 
 Value = TypeVar("Value")
@@ -39,15 +37,18 @@ class Stages:
         self.seconds[stage] += time.perf_counter() - self.waited - start
         STAGES.log(level, "%8s  %-13s %8.3f s", self.name, stage, self.seconds[stage])
 
-    def begin(self, work: Callable[["Stages"], Value]) -> Callable[[], Value]:
+    def begin(self, work: Callable[["Stages"], Value], part_of: str = "") -> Callable[[], Value]:
         """Begin a work apart, which gets its own stages; return a function that waits for it.
 
-        The function adds the seconds of the stages of the work, in place of those of waiting.
+        The function adds the seconds of the stages of the work, in place of those of waiting. The
+        work may be `part_of` a stage, which is then not logged.
         """
 
         def timed() -> tuple[Value, dict[str, float]]:
             stages = Stages(self.name, apart=self.apart)
-            return work(stages), stages.seconds
+            with stages(part_of, logging.DEBUG) if part_of else nullcontext():
+                value = work(stages)
+            return value, stages.seconds
 
         (done,) = self.apart(timed)
 

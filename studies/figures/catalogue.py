@@ -14,8 +14,6 @@ from ..crosscheck import OVER_TIME, did_you_mean, shown
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..crosscheck import Result
-
 
 class Picture(NamedTuple):
     """A figure of a run.
@@ -79,7 +77,7 @@ def picture_of(pictures: Iterable[Picture], name: str = "") -> Picture:
     return by_name[name]
 
 
-def drawn_by(place: str, **options: Any) -> "Callable[[Result], Figure]":
+def drawn_by(place: str, **options: Any) -> "Callable[[Any], Figure]":
     """Return a function that draws by another one, whose module is loaded at the first call.
 
     Parameters
@@ -91,7 +89,7 @@ def drawn_by(place: str, **options: Any) -> "Callable[[Result], Figure]":
     return lambda result: getattr(import_module(f".{module}", __package__), name)(result, **options)
 
 
-def _has_history(result: "Result") -> bool:
+def _has_history(result: Any) -> bool:
     problem = result.scene.problem
     return problem.earliest > 0 and problem.wants("rms_slope") and result.gives("displacement_max")
 
@@ -100,7 +98,7 @@ def _has_history(result: "Result") -> bool:
 IN_CONTACT = ("contact_edge", "ring_force", "normal_force", "ring_worn_volume")
 
 
-def _has_changing_contact(result: "Result") -> bool:
+def _has_changing_contact(result: Any) -> bool:
     """Return whether the contact, or the force of a falling load, changes over the times."""
     problem = result.scene.problem
     changes = problem.keeps_contact or not problem.full_contact

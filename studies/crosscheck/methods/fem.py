@@ -12,7 +12,7 @@ from ..problem.problem import Problem
 from ..problem.quantities import DESCRIBED, ENERGIES, LAYER_QUANTITIES
 from ..problem.refusal import Refusal
 from ..problem.sections import DEGREES
-from ..progress import PART, Stages
+from ..progress import Stages
 from ..sizes.finite_elements import FemSizes, coarser_pole_orders, fem_sizes, pole_orders
 from ..sizes.layers import layers_beyond_meshes, why_layers_are_not_meshed
 from ..sizes.ring_edges import compressibility, fem_smallest
@@ -168,14 +168,12 @@ def _discretise_flat(problem: Problem, stages: Stages) -> Discretised:
     fixed = problem.fem.far_field == "fixed"
     with stages("meshing"):
         sizes = fem_sizes(problem)
-
-    def coarser(stages: Stages) -> "Compliance":
-        with stages("estimating", PART):
-            return _coarser_half_space(problem, sizes.coarser(), half_space).compliance()
-
     with stages("assembling"):
         half_space = half_space_on(problem, sizes)
-        begun_coarser = stages.begin(coarser)
+        coarser = stages.begin(
+            lambda _: _coarser_half_space(problem, sizes.coarser(), half_space).compliance(),
+            "estimating",
+        )
         half_space.lower_triangle  # noqa: B018 (a cached property, which `compliance` uses)
     with stages("condensing"):
         # the first of the compliances by poles is that of the clamped outer boundary
@@ -192,7 +190,7 @@ def _discretise_flat(problem: Problem, stages: Stages) -> Discretised:
     }
     return Discretised(
         fine,
-        begun_coarser,
+        coarser,
         half_space.unknowns,
         settings,
         # so that displacements and stresses inside are those of the clamped half-space, too
@@ -239,6 +237,12 @@ def _discretise_on_cells(problem: Problem, stages: Stages) -> Discretised:
     ground, degree = problem.ground, problem.fem.degree or DEGREE_ON_CELLS
     halvings = LINEAR_HALVINGS if degree == 1 else (0, 0)
     cells, coarser_cells = contact_cells(problem)
+    coarser = stages.begin(
+        lambda _: even_half_space(
+            coarser_cells, ground, COARSER_GROWTH, degree, halvings[1]
+        ).compliance(),
+        "estimating",
+    )
     with stages("condensing"):
         half_space = even_half_space(cells, ground, degree=degree, halvings=halvings[0])
         compliance = half_space.compliance()
@@ -253,9 +257,7 @@ def _discretise_on_cells(problem: Problem, stages: Stages) -> Discretised:
 
     return Discretised(
         compliance,
-        lambda: even_half_space(
-            coarser_cells, ground, COARSER_GROWTH, degree, halvings[1]
-        ).compliance(),
+        coarser,
         half_space.unknowns,
         half_space=half_space,
         notes=_notes(),

@@ -27,11 +27,10 @@ from ..problem.problem import Problem
 from ..problem.profile import FLAT
 from ..problem.quantities import ANSWER, COMPARED_MODES
 from ..problem.refusal import Feature, Refusal
-from ..progress import PART, Stages
+from ..progress import Stages
 from ..sizes.layers import narrowed_for_layers
 from ..sizes.ring_edges import RADIAL_ROUNDOFF, smallest_size
 from ..sizes.shared import covering
-from ..wear.evolution import Evolution
 from ..wear.falling_force import refuse_tension
 from ..wear.first_contact import covers_face, first_contact, load_at_start
 from ..wear.fitted_press import fit_presses
@@ -259,18 +258,14 @@ def solve_in_moving_contact(
     on_face, in_layers = replace(problem, compared_on=problem.face), covers_face(intervals)
     length = error_factor("steps of the coarser march")
 
-    def coarser(stages: Stages) -> Evolution:
-        with stages("estimating", PART):
-            compliance = discretisation.coarser()
-            return MovingContact(on_face, compliance, coarse_start, length, in_layers).evolution
-
-    begun_evolution = stages.begin(coarser)
+    with stages("estimating"):
+        compliance = discretisation.coarser()
+    march = partial(MovingContact, on_face, compliance, coarse_start, length, in_layers)
+    evolution = stages.begin(lambda _: march().evolution, "estimating")
     with stages("marching"):
         fine = MovingContact(problem, discretisation.compliance, start, in_layers=in_layers)
     with stages("estimating"):
-        evolution = begun_evolution()
-        compliance = evolution.punch.compliance
-        coarse = MovingContact(on_face, compliance, coarse_start, length, in_layers, evolution)
+        coarse = march(evolution())
         solution = _solution(discretisation, fine, coarse)
     steady = begun_steady()
     solution = replace(

@@ -28,8 +28,9 @@ FINER = 0.1
 # needed
 MOST_FACTORS, MOST_AT_ONCE = 4, 3
 # The same for cells of contact that moves, if the error is less than `SLIGHT` times the allowed
-# one: errors fall about as the root of the tolerance, but not evenly.
-SLIGHTLY_FINER, SLIGHT = 0.6, 1.7
+# one. Errors fall about as the root of the tolerance, but not evenly; the factor is also at most
+# `ROOT` times the square of the ratio of the allowed error to the last one.
+SLIGHTLY_FINER, SLIGHT, ROOT = 0.6, 1.7, 0.9
 
 
 def solved_to_accuracy(
@@ -112,7 +113,8 @@ def next_rtol(
     error, allowed = error_of_sizes(problem, solution), allowed_error(problem)
     if error <= allowed or last_rtol <= 1.01 * smallest or method.sizes_given(problem):
         return None
-    finer = SLIGHTLY_FINER if _misses_slightly(solution, error, allowed) else FINER
+    by_root = min(SLIGHTLY_FINER, ROOT * (allowed / error) ** 2)
+    finer = by_root if _misses_slightly(solution, error, allowed) else FINER
     if solution.evolution is None and gain and isfinite(error):
         finer **= min(ceil(log(allowed / error) / log(gain)), MOST_AT_ONCE)
     return max(smallest, finer * last_rtol)
