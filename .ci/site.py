@@ -28,8 +28,6 @@ EXAMPLES = ROOT / "studies" / "examples"
 FOLDERS = ("mdr", "fem", "meshes", "studies", "tests")
 PAGES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md")
 LINK = re.compile(r"\]\((?!https?://|#|mailto:)([^)\s#]+)(#[^)\s]*)?\)")
-# commands and printed answers have up to 100 letters in a line
-STYLE = ".md-grid { max-width: 80rem; }\n"
 
 
 def copy_pages(docs: Path) -> None:
@@ -187,7 +185,7 @@ def build(out: Path) -> None:
         docs = Path(place) / "docs"
         copy_pages(docs)
         write_api(docs)
-        (docs / "style.css").write_text(STYLE, "utf-8")
+        shutil.copy(ROOT / ".ci" / "style.css", docs)
         # MkDocs reads JSON as YAML
         config = Path(place) / "mkdocs.yml"
         settings = read(ROOT / ".ci" / config.name)

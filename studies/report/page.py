@@ -42,7 +42,8 @@ def _draw(result: Result, pictures: Sequence["Picture"], directory: Path) -> lis
                 failures += make(directory / picture.file, partial(picture.write, result))
         return failures
 
-    scene, series = result.scene, bool(result.scene.output.field_times)
+    scene = result.scene
+    series = bool(scene.output.field_times)
     others = [picture for picture in pictures if not picture.of_inside]
     with copies() as apart:
         half = len(others) // 2 + 1
